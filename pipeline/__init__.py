@@ -1,0 +1,1 @@
+"""SafeDAgger as a library: no command line, no printing, no global state."""

@@ -1,0 +1,44 @@
+"""Writing small files: complete or not at all, equal content gives equal bytes."""
+
+import json
+import math
+import os
+from collections.abc import Mapping
+from numbers import Integral, Real
+from pathlib import Path
+from typing import Any
+
+
+def write_file(path: Path, content: bytes) -> None:
+    """Write `content` aside and rename it to `path`; makes the folder where it is missing."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    aside = path.with_name(f".{path.name}.{os.getpid()}")
+    try:
+        aside.write_bytes(content)
+        aside.replace(path)
+    finally:
+        aside.unlink(missing_ok=True)
+
+
+def write_metrics(path: Path, metrics: Mapping[str, Any]) -> None:
+    """Write metrics as strict JSON for `dvc metrics`.
+
+    Sorted keys, floats rounded to 6 significant digits, and null for what has no finite value.
+    """
+    text = json.dumps(_strict(metrics), indent=2, sort_keys=True, allow_nan=False)
+    write_file(path, (text + "\n").encode())
+
+
+def _strict(value: Any) -> Any:
+    """The same in JSON's own types; NumPy's numbers are Integral and Real too."""
+    if isinstance(value, Mapping):
+        return {str(key): _strict(item) for key, item in value.items()}
+    if isinstance(value, list | tuple):
+        return [_strict(item) for item in value]
+    if isinstance(value, bool):
+        return value
+    if isinstance(value, Integral):
+        return int(value)
+    if isinstance(value, Real):
+        return float(f"{value:.6g}") if math.isfinite(value) else None
+    return value

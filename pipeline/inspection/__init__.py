@@ -1,0 +1,1 @@
+"""Pictures to look at: tracks and sample frames."""

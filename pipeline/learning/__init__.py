@@ -1,0 +1,1 @@
+"""Training of the primary and of the safety policy, its labels, and how good it is."""

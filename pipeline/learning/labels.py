@@ -1,0 +1,101 @@
+"""What the safety policy learns: deviations, and which of them count as safe (Eq. 2).
+
+In the shapes, N is the number of frames.
+"""
+
+import math
+from typing import Literal
+
+import numpy as np
+
+
+def deviation(
+    proposed: np.ndarray, reference: np.ndarray, *, include_brake: bool = False
+) -> np.ndarray:
+    """Epsilon float32 [N], the squared difference of the steering, in [0, 4].
+
+    Args:
+        proposed: float32 [N, 2], the primary's steering and brake.
+        reference: float32 [N, 2], the reference's for the same frames.
+        include_brake: whether the brake's squared difference, 0 or 1, is added: then a wrong brake
+            is unsafe under any threshold below 1.
+
+    Raises:
+        ValueError: arrays of other shapes.
+    """
+    if proposed.shape != reference.shape or proposed.shape != (len(proposed), 2):
+        raise ValueError(
+            f"proposed is {proposed.shape} and reference {reference.shape}, "
+            "expected the same (frames, 2)"
+        )
+    squares = np.square(proposed.astype(np.float32) - reference.astype(np.float32))
+    return squares.sum(1) if include_brake else squares[:, 0]
+
+
+def safe_labels(deviation: np.ndarray, tau: float) -> np.ndarray:
+    """Eq. 2, bool [N]: True, safe, where `deviation` [N] is at most `tau`.
+
+    Raises:
+        ValueError: a deviation is NaN, which is neither safe nor unsafe.
+    """
+    unknown = int(np.isnan(deviation).sum())
+    if unknown:
+        raise ValueError(f"deviation is NaN in {unknown} of {len(deviation)} frames, expected none")
+    return deviation <= tau
+
+
+def threshold_for_share(deviation: np.ndarray, share: float) -> float:
+    """The smallest tau under which at least `share` of the frames are safe.
+
+    Args:
+        deviation: [N], no NaN.
+        share: (0, 1], the paper's is 0.777 after supervised training.
+
+    Raises:
+        ValueError: no frames, or a share outside (0, 1].
+    """
+    if not 0 < share <= 1 or len(deviation) == 0:
+        raise ValueError(
+            f"share is {share} of {len(deviation)} frames, expected a share in (0, 1] of some"
+        )
+    # Less a hair: 0.777 * 1000 is a little more than 777 in floating point.
+    position = math.ceil(share * len(deviation) - 1e-9) - 1
+    return float(np.sort(deviation)[position])
+
+
+def label_horizon(
+    deviation: np.ndarray,
+    episode_index: np.ndarray,
+    horizon_frames: int,
+    mode: Literal["last", "max"],
+) -> np.ndarray:
+    """The deviation that labels each frame when unsafety is to be foreseen, [N].
+
+    `last` is the deviation `horizon_frames` later, `max` the largest from the frame itself until
+    then. The future ends with the episode: beyond it, its last frame stands for what would follow.
+
+    Args:
+        deviation: [N], rows in order.
+        episode_index: int [N], the rows of an episode together.
+        horizon_frames: >= 0 rows; 0 leaves the deviation as it is.
+        mode: see above.
+
+    Raises:
+        ValueError: a horizon below 0, another mode, or an episode in more than one piece.
+    """
+    if horizon_frames < 0 or mode not in ("last", "max"):
+        raise ValueError(
+            f"horizon_frames is {horizon_frames} and mode {mode!r}, "
+            "expected at least 0 and 'last' or 'max'"
+        )
+    last = np.append(np.flatnonzero(np.diff(episode_index)), len(episode_index) - 1)
+    if len(last) > len(np.unique(episode_index)) > 0:
+        raise ValueError("episode_index has an episode in pieces, expected its rows together")
+    rows = np.arange(len(deviation))
+    ends = last[np.searchsorted(last, rows)]
+    if mode == "last":
+        return deviation[np.minimum(rows + horizon_frames, ends)]
+    label = deviation.copy()
+    for ahead in range(1, horizon_frames + 1):
+        label = np.maximum(label, deviation[np.minimum(rows + ahead, ends)])
+    return label

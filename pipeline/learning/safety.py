@@ -1,0 +1,67 @@
+"""What a safety policy learns from, and how well it did: frames judged by where its primary deviates."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pipeline.data.reading import read_columns, read_images
+from pipeline.learning.labels import deviation
+from pipeline.policies.inference import propose
+from pipeline.policies.network import PrimaryNetwork
+
+
+@dataclass(frozen=True)
+class Judged:
+    """Frames with a primary's features and its deviation from the reference. N frames, F features."""
+
+    features: NDArray[np.float16]
+    """[N, F], Conv5"""
+    deviation: NDArray[np.float32]
+    """[N], epsilon"""
+    episode_index: NDArray[np.int64]
+    """[N]"""
+
+    def __add__(self, other: Judged) -> Judged:
+        """The frames of both, the other's episodes numbered on."""
+        first = int(self.episode_index.max(initial=-1)) + 1
+        return Judged(
+            np.concatenate([self.features, other.features]),
+            np.concatenate([self.deviation, other.deviation]),
+            np.concatenate([self.episode_index, other.episode_index + first]),
+        )
+
+    def only(self, rows: NDArray[np.bool_]) -> Judged:
+        """The frames where `rows` [N] is true."""
+        return Judged(self.features[rows], self.deviation[rows], self.episode_index[rows])
+
+
+def judge(primary: PrimaryNetwork, dataset: Path, include_brake: bool) -> Judged:
+    """Run a primary over a dataset whose every frame carries the reference's action.
+
+    Raises:
+        FileNotFoundError, ValueError: no such dataset, or frames in it that the reference was not asked about.
+    """
+    columns = read_columns(dataset, ["action", "queried"])
+    if not columns["queried"].all():
+        unknown = int((~columns["queried"]).sum())
+        raise ValueError(f"{dataset}: {unknown} frames have no label of the reference, expected none")
+    proposed, features = propose(primary, read_images(dataset), brake_cut=0.5)
+    epsilon = deviation(proposed, columns["action"], include_brake=include_brake)
+    return Judged(features, epsilon, columns["episode_index"])
+
+
+def held_out_episodes(judged: Judged, share: float, rng: np.random.Generator) -> NDArray[np.bool_]:
+    """[N] true for the frames of a random `share` of the episodes, at least one.
+
+    Raises:
+        ValueError: the share leaves no episodes on either side.
+    """
+    episodes = np.unique(judged.episode_index)
+    count = int(round(share * len(episodes)))
+    if not 0 < count < len(episodes):
+        raise ValueError(f"held-out share {share} of {len(episodes)} episodes, expected some on both sides")
+    return np.isin(judged.episode_index, rng.permutation(episodes)[:count])

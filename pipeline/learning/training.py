@@ -1,0 +1,221 @@
+"""Lines 3, 4, 9 and 10 of Algorithm 1: training a primary policy, and its safety policy.
+
+The same arguments give the same weights, bit by bit, on the same machine.
+In the shapes, N is the number of frames.
+"""
+
+import math
+from collections.abc import Mapping
+
+import numpy as np
+import torch
+import torch.nn.functional as F
+from torch import Tensor
+
+from pipeline.data.schema import ACTIONS, AFFORDANCES, IMAGE_SHAPE
+from pipeline.learning.augmentation import jitter, mirror
+from pipeline.learning.computing import computing
+from pipeline.learning.fitting import Metrics, OnEpoch, fit, split_episodes
+from pipeline.learning.settings import PrimarySettings, SafetySettings
+from pipeline.policies.network import (
+    PrimaryNetwork,
+    SafetyNetwork,
+    has_bfloat16,
+    primary_loss,
+    to_float,
+)
+
+_MEASURED = 256
+"""Held-out frames that are measured at a time."""
+
+
+def train_primary(
+    images: np.ndarray,
+    actions: np.ndarray,
+    affordances: np.ndarray,
+    episode_index: np.ndarray,
+    settings: PrimarySettings,
+    *,
+    initial: Mapping[str, Tensor] | None = None,
+    on_epoch: OnEpoch | None = None,
+) -> tuple[PrimaryNetwork, Metrics]:
+    """Train a primary policy to imitate `actions` (Eq. 1), with the affordances as further targets.
+
+    Args:
+        images: uint8 [N, 72, 160, 3].
+        actions: float32 [N, 2], the reference's: steering [-1, 1], brake {0, 1}.
+        affordances: float32 [N, 10], distances in metres.
+        episode_index: int [N]; frames of the same one are held out together.
+        settings: see `PrimarySettings`.
+        initial: the `state_dict` of a primary network to begin with; None begins from scratch.
+        on_epoch: told the metrics after each epoch.
+
+    Returns:
+        The network in evaluation mode, and metrics: "epoch", "passes", "loss" (of training), and
+        with held-out frames "validation_loss" and its unweighted parts, as "validation_steering".
+
+    Raises:
+        ValueError: arrays of the wrong shape, type or length, or `initial` of another network.
+    """
+    _check_rows(
+        images=(images, np.uint8, IMAGE_SHAPE),
+        actions=(actions, np.float32, (len(ACTIONS),)),
+        affordances=(affordances, np.float32, (len(AFFORDANCES),)),
+        episode_index=(episode_index, np.integer, ()),
+    )
+    generator = torch.Generator().manual_seed(settings.seed)
+    rng = np.random.default_rng(settings.seed)
+    rows, held_out = split_episodes(episode_index, settings.validation, rng)
+    network = PrimaryNetwork(settings.channels, generator=generator)
+    if initial is not None:
+        _begin_with(network, initial)
+
+    def losses(shown: Tensor, done: Tensor, hidden: Tensor) -> tuple[Tensor, dict[str, Tensor]]:
+        with torch.autocast("cpu", torch.bfloat16, settings.bfloat16 and has_bfloat16()):
+            features = network.features(shown)
+        return primary_loss(
+            network.heads(features.float()),
+            done,
+            hidden,
+            sensor_range=settings.sensor_range,
+            weights=settings.loss,
+        )
+
+    def batch(numbers: np.ndarray) -> tuple[Tensor, Tensor, Tensor]:
+        picked = (array[numbers] for array in (images, actions, affordances))
+        shown, done, hidden = (torch.from_numpy(array) for array in picked)
+        return shown, done, hidden
+
+    def loss_of(numbers: np.ndarray) -> Tensor:
+        shown, done, hidden = batch(numbers)
+        if settings.mirror:
+            chosen = torch.rand(len(numbers), generator=generator) < 0.5
+            shown, done, hidden = mirror(shown, done, hidden, chosen)
+        bright = to_float(shown)
+        if settings.jitter:
+            bright = jitter(bright, settings.jitter, generator)
+        return losses(bright, done, hidden)[0]
+
+    @torch.inference_mode()
+    def validate() -> Metrics:
+        sums: dict[str, float] = {}
+        for numbers in _chunks(held_out):
+            shown, done, hidden = batch(numbers)
+            loss, parts = losses(to_float(shown), done, hidden)
+            for name, value in {"loss": loss, **parts}.items():
+                sums[name] = sums.get(name, 0.0) + float(value) * len(numbers)
+        return {f"validation_{name}": value / len(held_out) for name, value in sums.items()}
+
+    with computing(settings.threads):
+        metrics = fit(
+            network,
+            rows,
+            loss_of=loss_of,
+            validate=validate,
+            settings=settings,
+            generator=generator,
+            on_epoch=on_epoch,
+        )
+    return network, metrics
+
+
+def train_safety(
+    features: np.ndarray,
+    safe: np.ndarray,
+    episode_index: np.ndarray,
+    settings: SafetySettings,
+    *,
+    on_epoch: OnEpoch | None = None,
+) -> tuple[SafetyNetwork, Metrics]:
+    """Train a safety policy to tell safe from unsafe frames (Eq. 4), from the primary's Conv5.
+
+    Args:
+        features: float16 or float32 [N, F], as `inference.propose` gives them.
+        safe: bool [N], Eq. 2: True where the primary deviates by no more than the threshold.
+        episode_index: int [N]; frames of the same one are held out together.
+        settings: see `SafetySettings`.
+        on_epoch: told the metrics after each epoch.
+
+    Returns:
+        The network in evaluation mode, and metrics: "epoch", "passes", "loss" (of training), and
+        with held-out frames "validation_loss". Both losses have the class weights in them.
+
+    Raises:
+        ValueError: arrays of the wrong shape, type or length.
+    """
+    _check_rows(
+        features=(features, np.floating, features.shape[-1:]),
+        safe=(safe, np.bool_, ()),
+        episode_index=(episode_index, np.integer, ()),
+    )
+    generator = torch.Generator().manual_seed(settings.seed)
+    rng = np.random.default_rng(settings.seed)
+    rows, held_out = split_episodes(episode_index, settings.validation, rng)
+    network = SafetyNetwork(features.shape[1], settings.hidden, generator=generator)
+    weights = class_weights(safe[rows], settings.balance)
+
+    def loss_of(numbers: np.ndarray) -> Tensor:
+        seen, labels = torch.from_numpy(features[numbers]), torch.from_numpy(safe[numbers]).long()
+        each = F.cross_entropy(network(seen), labels, reduction="none")
+        return (each * weights[labels]).mean()
+
+    @torch.inference_mode()
+    def validate() -> Metrics:
+        if len(held_out) == 0:
+            return {}
+        total = sum(float(loss_of(chunk)) * len(chunk) for chunk in _chunks(held_out))
+        return {"validation_loss": total / len(held_out)}
+
+    with computing(settings.threads):
+        metrics = fit(
+            network,
+            rows,
+            loss_of=loss_of,
+            validate=validate,
+            settings=settings,
+            generator=generator,
+            on_epoch=on_epoch,
+        )
+    return network, metrics
+
+
+def class_weights(safe: np.ndarray, balance: float) -> Tensor:
+    """Weights float32 [2] of unsafe (index 0) and safe frames, 1 on average over the frames.
+
+    A class counts in inverse proportion to its share raised to `balance`: 0 counts each frame
+    alike, 1 each class alike. With one class only, both weigh 1.
+
+    Args:
+        safe: bool [N].
+        balance: [0, 1].
+    """
+    shares = np.array([np.mean(~safe), np.mean(safe)])
+    if 0 in shares:
+        return torch.ones(2)
+    weights = shares**-balance
+    return torch.from_numpy(weights / (shares * weights).sum()).float()
+
+
+def _begin_with(network: PrimaryNetwork, initial: Mapping[str, Tensor]) -> None:
+    try:
+        network.load_state_dict(initial)
+    except RuntimeError as error:
+        raise ValueError(
+            f"initial does not fit a primary of {network.conv1.out_channels} channels: "
+            f"{' '.join(str(error).split())}"
+        ) from None
+
+
+def _check_rows(**arrays: tuple[np.ndarray, type, tuple[int, ...]]) -> None:
+    """Raise a one-line ValueError unless each array has its type, shape [N, *shape] and one N."""
+    rows = len(next(iter(arrays.values()))[0])
+    for name, (array, dtype, shape) in arrays.items():
+        if not np.issubdtype(array.dtype, dtype) or array.shape != (rows, *shape) or rows == 0:
+            raise ValueError(
+                f"{name} is {array.dtype} {array.shape}, "
+                f"expected {dtype.__name__} {(max(rows, 1), *shape)}"
+            )
+
+
+def _chunks(rows: np.ndarray) -> list[np.ndarray]:
+    return np.array_split(rows, math.ceil(len(rows) / _MEASURED)) if len(rows) else []

@@ -1,0 +1,136 @@
+"""Drives as episodes of a dataset."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass
+
+import numpy as np
+import torch
+from joblib import Parallel, delayed
+from numpy.typing import NDArray
+
+from pipeline.data.schema import CAMERA, Episode
+from pipeline.policies.driving import Frame, drive
+from pipeline.policies.inference import Driver
+from pipeline.policies.strategies import Strategy
+from pipeline.world.tracks import make_track
+from pipeline.world.world import World
+
+
+SEED_STREAMS = {"D_0": 0, "D_safe": 1, "rollout": 100, "evaluation": 1000}
+"""The second number of every drive's seed: no two collections of an experiment meet the same random numbers."""
+
+
+@dataclass(frozen=True)
+class Drive:
+    """What is to be driven, and how. Every drive has a random generator of its own, so their order does not matter."""
+
+    track: str
+    """a name that `make_track` knows"""
+    traffic: int
+    """other cars, >= 0"""
+    spread: tuple[float, float]
+    """standard deviations of the initial lateral offset [m] and angle [rad]: the paper's S_0"""
+    seed: tuple[int, ...]
+    """of the drive's random generator"""
+    strategy: Strategy
+    cut: float
+    """a safe probability below it is unsafe"""
+    record_every: int
+    """control steps in a frame, >= 1"""
+    laps: float = np.inf
+    seconds: float = np.inf
+
+    @property
+    def task(self) -> str:
+        """The scenario in words, as datasets carry it."""
+        return f"drive on {self.track} with {self.traffic} other cars"
+
+
+@dataclass(frozen=True)
+class Recording:
+    """A drive that has been driven. T frames."""
+
+    episode: Episode
+    squared_errors: NDArray[np.float64]
+    """[T] deviation of the primary from the reference at every frame, also where the reference was not asked: to measure
+    with, never to train or to select on; NaN without a primary"""
+
+    @property
+    def queries(self) -> int:
+        """How often the reference was asked."""
+        return int(self.episode.columns["queried"].sum())
+
+
+def record(plan: Drive, driver: Driver | None, iteration: int, number: int) -> Recording:
+    """Drive once and keep every frame; `number` is the drive's in its iteration, for provenance.
+
+    Raises:
+        ValueError: unknown track, or no room on it for so much traffic.
+    """
+    with World(make_track(plan.track), plan.traffic, plan.spread, np.random.default_rng(plan.seed)) as world:
+        frames = list(
+            drive(
+                world,
+                driver,
+                plan.strategy,
+                cut=plan.cut,
+                record_every=plan.record_every,
+                laps=plan.laps,
+                seconds=plan.seconds,
+            )
+        )
+    errors = np.array([frame.squared_error for frame in frames])
+    return Recording(_episode(plan.task, frames, errors, iteration, number), errors)
+
+
+def in_order[Result](
+    job: Callable[..., Result], arguments: Iterable[tuple], workers: int
+) -> Iterator[Result]:
+    """Run `job(*arguments)` in `workers` processes; the results come in the order of the arguments, as they are ready."""
+    pool = Parallel(n_jobs=workers, return_as="generator", batch_size=1, pre_dispatch="2 * n_jobs")
+    return pool(delayed(_on_one_thread)(job, each) for each in arguments)
+
+
+def _on_one_thread[Result](job: Callable[..., Result], arguments: tuple) -> Result:
+    """Another number of threads may round differently, and then so would another number of workers."""
+    torch.set_num_threads(1)
+    return job(*arguments)
+
+
+def until_queries(recordings: Iterable[Recording], queries: int, frames: int) -> Iterator[Recording]:
+    """Recordings until the reference was asked `queries` times or `frames` were driven; the last one is cut short."""
+    asked = driven = 0
+    for recording in recordings:
+        paid = asked + np.cumsum(recording.episode.columns["queried"][:, 0])
+        stop = min(int(np.searchsorted(paid, queries)) + 1, frames - driven, len(paid))
+        yield Recording(recording.episode.rows(0, stop), recording.squared_errors[:stop])
+        asked, driven = int(paid[stop - 1]), driven + stop
+        if asked >= queries or driven >= frames:
+            return
+
+
+def _episode(
+    task: str, frames: list[Frame], errors: NDArray[np.float64], iteration: int, number: int
+) -> Episode:
+    intervention = np.array([[frame.intervention] for frame in frames])
+    reference = np.stack([frame.reference_action for frame in frames])
+    primary = np.stack([frame.primary_action for frame in frames])
+    count = len(frames)
+    return Episode(
+        task,
+        {
+            CAMERA: np.stack([frame.image for frame in frames]),
+            "action": np.where(intervention, reference, primary),
+            "primary_action": primary,
+            "affordances": np.stack([frame.affordances for frame in frames]),
+            "intervention": intervention,
+            "queried": intervention.copy(),
+            "safe_probability": np.array([[frame.safe_probability] for frame in frames], np.float32),
+            "deviation": np.where(intervention, errors[:, None], np.nan).astype(np.float32),
+            "source.iteration": np.full((count, 1), iteration, np.int64),
+            "source.episode": np.full((count, 1), number, np.int64),
+            "source.frame": np.arange(count, dtype=np.int64)[:, None],
+        },
+    )

@@ -1,0 +1,127 @@
+"""The safety policy as LeRobot knows policies. In the shapes, B is the batch.
+
+Its observation is the activations of a primary's Conv5, and its action is 1, safe, or 0 (Eq. 2).
+"""
+
+import math
+from dataclasses import dataclass, field
+from typing import Any, Literal
+
+import torch
+import torch.nn.functional as F
+from lerobot.configs import PreTrainedConfig
+from lerobot.configs.types import FeatureType, NormalizationMode, PolicyFeature
+from lerobot.processor.factory import make_default_pre_post_processors
+from lerobot.utils.constants import ACTION
+from torch import Tensor
+
+from pipeline.policies.inference import SAFETY_TYPE
+from pipeline.policies.network import CHANNELS, SafetyNetwork, feature_size
+from pipeline.policies.primary import OfflineConfig, OfflinePolicy, Processors, check_feature
+
+CONV5 = "observation.conv5"
+
+
+@PreTrainedConfig.register_subclass(SAFETY_TYPE)
+@dataclass
+class SafetyConfig(OfflineConfig):
+    """A safety policy: what it is, and by what rule its labels were made.
+
+    Raises:
+        ValueError: a field is out of its range.
+    """
+
+    channels: int = CHANNELS
+    """>= 1, of its primary's Conv1 to Conv4."""
+    hidden: int = 64
+    """>= 1, width of each of the two hidden layers."""
+    tau: float = 0.0025
+    """>= 0, the threshold: a frame is safe where the deviation is at most this."""
+    cut: float = 0.5
+    """[0, 1]: unsafe is what has a `safe_probability` below this."""
+    horizon: float = 0.0
+    """>= 0 [s], how far ahead the labels look."""
+    horizon_mode: Literal["last", "max"] = "last"
+    """Whether they take the deviation at the end of the horizon, or the largest within."""
+    include_brake: bool = False
+    """Whether a wrong brake counts as a deviation."""
+    balance: float = 0.0
+    """[0, 1], class weights in its training: 0 none, 1 balanced."""
+
+    device: str | None = "cpu"
+    push_to_hub: bool = False  # type: ignore[assignment]
+    input_features: dict[str, PolicyFeature] | None = None
+    output_features: dict[str, PolicyFeature] | None = field(
+        default_factory=lambda: {ACTION: PolicyFeature(FeatureType.ACTION, (1,))}
+    )
+    normalization_mapping: dict[str, NormalizationMode] = field(
+        default_factory=lambda: dict.fromkeys(("STATE", "ACTION"), NormalizationMode.IDENTITY)
+    )
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        for name, highest in (("tau", math.inf), ("cut", 1), ("horizon", math.inf), ("balance", 1)):
+            value = getattr(self, name)
+            if not (math.isfinite(value) and 0 <= value <= highest):
+                raise ValueError(f"{name} is {value}, expected a number from 0 to {highest:g}")
+        if self.input_features is None:
+            self.input_features = {CONV5: PolicyFeature(FeatureType.STATE, self._conv5_shape)}
+
+    def validate_features(self) -> None:
+        """Raise a ValueError unless it is from Conv5's activations to one number."""
+        check_feature("input", self.input_features, CONV5, self._conv5_shape)
+        check_feature("output", self.output_features, ACTION, (1,))
+
+    @property
+    def _conv5_shape(self) -> tuple[int, ...]:
+        return (feature_size(self.channels),)
+
+
+class SafetyPolicy(OfflinePolicy):
+    """A safety policy: two hidden layers on its primary's Conv5, and Eq. 4's loss.
+
+    Args:
+        config: see `SafetyConfig`.
+        network: trained with the sizes in `config`; None draws one from PyTorch's global generator.
+
+    Raises:
+        ValueError: a network of another size, or other features than Conv5 and one action.
+    """
+
+    config_class = SafetyConfig
+    name = SAFETY_TYPE
+    network: SafetyNetwork
+
+    def __init__(
+        self, config: SafetyConfig, network: SafetyNetwork | None = None, **_: Any
+    ) -> None:
+        super().__init__(config)
+        config.validate_features()
+        size = feature_size(config.channels)
+        self.network = network if network is not None else SafetyNetwork(size, config.hidden)
+        found = self.network.in_features, self.network.hidden
+        if found != (size, config.hidden):
+            raise ValueError(
+                f"network has {found} inputs and hidden units, expected {(size, config.hidden)}"
+            )
+
+    def forward(self, batch: dict[str, Tensor]) -> tuple[Tensor, None]:
+        """Eq. 4 for a batch: `CONV5` [B, F], and "action" [B, 1], 1 where safe and 0 where not."""
+        labels = batch[ACTION].flatten().long()
+        return F.cross_entropy(self.network(batch[CONV5]), labels), None
+
+    @torch.no_grad()
+    def safe_probability(self, conv5: Tensor) -> Tensor:
+        """The probability [B] that the primary is safe, from Conv5's activations [B, F]."""
+        return self.network(conv5).softmax(1)[:, 1]
+
+    def select_action(self, batch: dict[str, Tensor], **_: Any) -> Tensor:
+        """float32 [B, 1]: 0 where `CONV5` [B, F] looks unsafe, else 1."""
+        return (self.safe_probability(batch[CONV5]) >= self.config.cut).float()[:, None]
+
+
+def make_safedagger_safety_pre_post_processors(
+    config: SafetyConfig, dataset_stats: dict[str, dict[str, Tensor]] | None = None
+) -> Processors:
+    """LeRobot's default processors; with identity normalisation the statistics do not matter."""
+    return make_default_pre_post_processors(config, dataset_stats)

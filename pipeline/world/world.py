@@ -1,0 +1,91 @@
+"""One drive: cars on a track, who hits whom, how far ours has come."""
+
+from __future__ import annotations
+
+from types import TracebackType
+from typing import Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pipeline.world import camera
+from pipeline.world.affordances import affordances
+from pipeline.world.cars import Cars, move
+from pipeline.world.scene import Scene
+from pipeline.world.tracks import Track
+from pipeline.world.traffic import start
+
+RELEASE = 0.3  # [m/s] that a bumped car is left moving apart from ours
+
+
+class World:
+    """The true state of a drive. Car 0 is ours. Use as a context manager: it holds a PyBullet client."""
+
+    def __init__(self, track: Track, traffic: int, spread: tuple[float, float], rng: np.random.Generator) -> None:
+        """A drive with `traffic` other cars; our car starts off its lane by `spread` (standard deviations in m and rad).
+
+        Raises:
+            ValueError: the track has no room for so many cars.
+        """
+        self.track = track
+        self.cars: Cars = start(track, traffic, spread, rng)
+        self.scene = Scene(track, len(self.cars))
+        self.scene.place(self.cars)
+        self.damage = 0.0
+        """[m^2/s^2] the sum of half the squared speed of each impact on our car: energy per mass"""
+        self._start = float(self.cars.s[0])
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, kind: type | None, error: BaseException | None, trace: TracebackType | None) -> None:
+        self.scene.close()
+
+    @property
+    def laps(self) -> float:
+        """Laps driven by our car, fractional; negative where it drove backwards."""
+        return (float(self.cars.s[0]) - self._start) / self.track.length
+
+    @property
+    def off_road(self) -> bool:
+        """Whether the middle of our car has left the asphalt, or the car has turned off the road's direction altogether."""
+        return bool(abs(self.cars.d[0]) > self.track.half_width or abs(self.cars.angle(self.track)[0]) > 0.5 * np.pi)
+
+    def image(self) -> NDArray[np.uint8]:
+        """What our camera sees: uint8 [72, 160, 3]."""
+        self.scene.focus(float(self.cars.s[0]))
+        return camera.render(self.scene, self.cars.x[0], self.cars.y[0], self.cars.heading[0])
+
+    def affordances(self) -> NDArray[np.float32]:
+        """[10], see `affordances.affordances`."""
+        return affordances(self.cars, self.track)
+
+    def step(self, actions: NDArray[np.floating]) -> None:
+        """Advance by one control step; `actions` is [N, 2], every car's steering in [-1, 1] and brake."""
+        move(self.cars, actions, self.track)
+        self.scene.place(self.cars)
+        if self._is_near_another():
+            for other, normal, overlap in self.scene.contacts():
+                self._collide(other, normal, overlap)
+
+    def _is_near_another(self) -> bool:
+        """Spares the collision detection, nearly always."""
+        cars = self.cars
+        return bool(np.any(np.hypot(cars.x[1:] - cars.x[0], cars.y[1:] - cars.y[0]) < 6.0))
+
+    def _collide(self, other: int, normal: NDArray[np.float64], overlap: float) -> None:
+        """A plastic impact: count its damage, share the speed along the push, and part the cars."""
+        cars = self.cars
+        directions = np.stack([np.cos(cars.heading[[0, other]]), np.sin(cars.heading[[0, other]])], axis=1)
+        ours, theirs = cars.speed[[0, other], None] * directions
+        closing = -float((ours - theirs) @ normal)
+        if closing > 0:
+            self.damage += 0.5 * closing**2
+        if abs(normal @ directions[0]) > 0.5:  # bumper to bumper, not side by side
+            front, rear = (other, 0) if normal @ directions[0] < 0 else (0, other)
+            shared = 0.5 * (cars.speed[0] + cars.speed[other])
+            cars.speed[front] = max(cars.speed[front], shared + RELEASE)
+            cars.speed[rear] = min(cars.speed[rear], max(shared - RELEASE, 0.0))
+        for car, way in ((0, 0.5), (other, -0.5)):
+            cars.x[car] += way * overlap * normal[0]
+            cars.y[car] += way * overlap * normal[1]

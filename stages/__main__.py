@@ -1,0 +1,37 @@
+"""The `safedagger` command: every stage of Algorithm 1 under one roof."""
+
+import sys
+
+import typer
+from typer import TyperException
+
+from stages import collect, evaluate, ledger, merge, report, rollout, select, train_primary, train_safety
+
+app = typer.Typer(
+    no_args_is_help=True,
+    add_completion=False,
+    rich_markup_mode=None,
+    help="SafeDAgger (Zhang & Cho 2016) on LeRobot datasets. Each command is one step of Algorithm 1.",
+)
+for stage in (collect, train_primary, train_safety, rollout, select, merge, ledger, evaluate, report):
+    app.add_typer(stage.app)
+
+
+def main() -> None:
+    """Run a stage. Bad input is one line on stderr and exit code 2."""
+    try:
+        code = app(prog_name="safedagger", standalone_mode=False)
+    except TyperException as error:
+        _refuse(error.format_message())
+    except (ValueError, FileNotFoundError, FileExistsError, NotADirectoryError) as error:
+        _refuse(str(error))
+    sys.exit(code or 0)
+
+
+def _refuse(problem: str) -> None:
+    print(f"safedagger: {' '.join(problem.split())}", file=sys.stderr)
+    sys.exit(2)
+
+
+if __name__ == "__main__":
+    main()

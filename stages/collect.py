@@ -1,0 +1,65 @@
+"""Lines 1 and 2 of Algorithm 1: collect D_0, and D_safe, with the reference policy."""
+
+from collections.abc import Iterator
+from enum import StrEnum
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from stages import options
+
+if TYPE_CHECKING:
+    from pipeline.data.schema import Episode
+
+app = typer.Typer()
+
+
+class Purpose(StrEnum):
+    """What is collected."""
+
+    d_0 = "D_0"
+    d_safe = "D_safe"
+
+
+@app.command()
+def collect(
+    output: options.Output,
+    tracks: options.Tracks,
+    traffic: options.Traffic,
+    episodes: Annotated[int, typer.Option(min=1, help="Drives, spread evenly over the tracks.")],
+    seconds: options.Seconds,
+    offset_spread: options.OffsetSpread,
+    angle_spread: options.AngleSpread,
+    record_every: options.RecordEvery,
+    purpose: Annotated[Purpose, typer.Option(help="Which random numbers to draw: those of D_0 or of D_safe.")],
+    seed: options.Seed,
+    workers: options.Workers,
+) -> None:
+    """Collect a dataset with the reference policy (D_0 and D_safe, lines 1 and 2)."""
+    from pipeline.data.writing import refuse_existing, write_dataset
+    from pipeline.policies.recording import SEED_STREAMS, Drive, in_order, record
+    from pipeline.policies.strategies import Strategy
+
+    refuse_existing(output)
+    names = options.track_names(tracks)
+
+    def plan(number: int) -> Drive:
+        return Drive(
+            track=names[number % len(names)],
+            traffic=traffic,
+            spread=(offset_spread, angle_spread),
+            seed=(seed, SEED_STREAMS[purpose], number),
+            strategy=Strategy.REFERENCE,
+            cut=0.0,
+            record_every=record_every,
+            seconds=seconds,
+        )
+
+    def driven() -> Iterator["Episode"]:
+        with options.progress("collecting", episodes) as advance_to:
+            jobs = ((plan(number), None, 0, number) for number in range(episodes))
+            for done, recording in enumerate(in_order(record, jobs, workers), 1):
+                yield recording.episode
+                advance_to(done)
+
+    typer.echo(write_dataset(output, driven(), record_every=record_every))

@@ -1,0 +1,57 @@
+"""Sec. 4.4: drive the test tracks, naive and safe, without and with traffic."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from stages import options
+
+app = typer.Typer()
+
+
+@app.command()
+def evaluate(
+    primary: options.Primary,
+    safety: options.Safety,
+    tracks: options.Tracks,
+    traffic: options.Traffic,
+    laps: Annotated[float, typer.Option(min=0.01, help="Most laps of one drive; 3 in the paper.")],
+    starts: Annotated[int, typer.Option(min=1, help="Drives on each track, from different places.")],
+    seconds: options.Seconds,
+    record_every: options.RecordEvery,
+    cut: options.Cut,
+    drives: Annotated[Path, typer.Option(help="Where to write each drive's outcome (CSV).")],
+    metrics: options.Metrics,
+    seed: options.Seed,
+    workers: options.Workers,
+) -> None:
+    """Evaluate a primary and its safety policy on tracks, with both driving strategies (Sec. 4.4)."""
+    from pipeline.evaluation.driving import evaluate as evaluate_drive
+    from pipeline.evaluation.driving import plans
+    from pipeline.evaluation.outcomes import write_outcomes
+    from pipeline.evaluation.summary import summarise, write_metrics
+    from pipeline.policies.inference import Driver
+    from pipeline.policies.recording import in_order
+
+    driver = Driver.load(primary, safety)
+    planned = list(
+        plans(
+            options.track_names(tracks),
+            traffic,
+            starts,
+            cut=cut,
+            record_every=record_every,
+            laps=laps,
+            seconds=seconds,
+            seed=seed,
+        )
+    )
+    outcomes = []
+    with options.progress("driving", len(planned)) as advance_to:
+        for outcome in in_order(evaluate_drive, ((plan, start, driver) for plan, start in planned), workers):
+            outcomes.append(outcome)
+            advance_to(len(outcomes))
+    write_outcomes(drives, outcomes)
+    write_metrics(metrics, summarise(outcomes))
+    typer.echo(f"{metrics}: {len(outcomes)} drives, {sum(o.frames for o in outcomes)} frames, 0 queries")

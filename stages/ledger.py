@@ -1,0 +1,25 @@
+"""What an iteration cost: frames driven, queries, frames trained on."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from stages import options
+
+app = typer.Typer()
+
+
+@app.command()
+def ledger(
+    raw: Annotated[Path, typer.Argument(help="Every frame driven: D', or D_0 and D_safe themselves.")],
+    aggregate: Annotated[Path, typer.Argument(help="What was trained on: D_i.")],
+    metrics: options.Metrics,
+) -> None:
+    """Count an iteration's queries from the columns of its datasets."""
+    from pipeline.data.ledger import count
+    from pipeline.evaluation.summary import write_metrics
+
+    counted = count(raw, aggregate)
+    write_metrics(metrics, counted.to_dict())
+    typer.echo(f"{metrics}: {options.figures(counted.to_dict())}")

@@ -1,0 +1,81 @@
+"""Line 6 of Algorithm 1: collect D' with the safe strategy."""
+
+from collections.abc import Iterator
+from itertools import count
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from stages import options
+
+if TYPE_CHECKING:
+    from pipeline.data.schema import Episode
+
+app = typer.Typer()
+
+
+@app.command()
+def rollout(
+    primary: options.Primary,
+    safety: options.Safety,
+    output: options.Output,
+    tracks: options.Tracks,
+    traffic: options.Traffic,
+    queries: Annotated[int, typer.Option(min=1, help="Stop when the reference has been asked so often ...")],
+    frames: Annotated[int, typer.Option(min=1, help="... or so many frames have been driven.")],
+    seconds: options.Seconds,
+    offset_spread: options.OffsetSpread,
+    angle_spread: options.AngleSpread,
+    record_every: options.RecordEvery,
+    cut: options.Cut,
+    iteration: Annotated[int, typer.Option(min=1, help="The iteration of Algorithm 1 that this is for.")],
+    metrics: options.Metrics,
+    seed: options.Seed,
+    workers: options.Workers,
+) -> None:
+    """Drive with the safe strategy and keep every frame, raw (D', line 6)."""
+    import numpy as np
+
+    from pipeline.data.writing import write_dataset
+    from pipeline.evaluation.summary import write_metrics
+    from pipeline.learning.quality import detection_quality
+    from pipeline.output import refuse_existing
+    from pipeline.policies.inference import SAFETY_TYPE, Driver, read_config
+    from pipeline.policies.recording import SEED_STREAMS, Drive, in_order, record, until_queries
+    from pipeline.policies.strategies import Strategy
+
+    refuse_existing(output)
+    driver = Driver.load(primary, safety)
+    names = options.track_names(tracks)
+
+    def plan(number: int) -> Drive:
+        return Drive(
+            track=names[number % len(names)],
+            traffic=traffic,
+            spread=(offset_spread, angle_spread),
+            seed=(seed, SEED_STREAMS["rollout"] + iteration, number),
+            strategy=Strategy.SAFE,
+            cut=cut,
+            record_every=record_every,
+            seconds=seconds,
+        )
+
+    probabilities: list[np.ndarray] = []
+    deviations: list[np.ndarray] = []
+
+    def driven() -> Iterator["Episode"]:
+        asked = 0
+        jobs = ((plan(number), driver, iteration, number) for number in count())
+        with options.progress("queries", queries) as advance_to:
+            for recording in until_queries(in_order(record, jobs, workers), queries, frames):
+                yield recording.episode
+                probabilities.append(recording.episode.columns["safe_probability"][:, 0])
+                deviations.append(recording.squared_errors)
+                asked += recording.queries
+                advance_to(asked)
+
+    summary = write_dataset(output, driven(), record_every=record_every)
+    tau = read_config(safety, SAFETY_TYPE)["tau"]
+    quality = detection_quality(np.concatenate(probabilities), np.concatenate(deviations), tau, cut)
+    write_metrics(metrics, {"tau": tau, "rollout": quality})
+    typer.echo(f"{summary}; {options.figures(quality)}")

@@ -1,0 +1,88 @@
+"""Lines 4 and 10 of Algorithm 1: fit pi_safe,i to where pi_i deviates, on D_safe and D_i."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from stages import options
+
+app = typer.Typer()
+
+
+@app.command()
+def train_safety(
+    primary: options.Primary,
+    d_safe: Annotated[Path, typer.Argument(help="D_safe: no primary was trained on it.")],
+    dataset: Annotated[Path, typer.Argument(help="D_i: this primary was trained on it.")],
+    output: options.Output,
+    tau: Annotated[float, typer.Option(help="Threshold on the squared steering error: safe up to here.")],
+    include_brake: Annotated[bool, typer.Option(help="Whether a wrong brake is a deviation too.")],
+    cut: Annotated[float, typer.Option(help="Unsafe is what has a lower probability of being safe.")],
+    balance: Annotated[float, typer.Option(help="Class weights: 0 counts each frame alike, 1 each class.")],
+    held_out: Annotated[float, typer.Option(help="Share of D_safe's episodes kept to measure with.")],
+    hidden: Annotated[int, typer.Option(help="Width of each of the two hidden layers.")],
+    optimizer: options.Optimizer,
+    learning_rate: options.LearningRate,
+    weight_decay: options.WeightDecay,
+    batch: options.Batch,
+    passes: options.Passes,
+    validation: options.Validation,
+    patience: options.Patience,
+    metrics: options.Metrics,
+    seed: options.Seed,
+    threads: options.Threads,
+) -> None:
+    """Train the safety policy to tell where the primary deviates (lines 4 and 10)."""
+    import numpy as np
+
+    from pipeline.evaluation.summary import write_metrics
+    from pipeline.learning.labels import safe_labels
+    from pipeline.learning.quality import detection_quality
+    from pipeline.learning.safety import held_out_episodes, judge
+    from pipeline.learning.settings import SafetySettings
+    from pipeline.learning.training import safe_probabilities
+    from pipeline.learning.training import train_safety as train
+    from pipeline.output import new_directory
+    from pipeline.policies.inference import load_primary
+    from pipeline.policies.safety import SafetyConfig, SafetyPolicy
+
+    settings = SafetySettings(
+        optimizer=optimizer.value,
+        learning_rate=learning_rate,
+        weight_decay=weight_decay,
+        passes=passes,
+        batch=batch,
+        validation=validation,
+        patience=patience,
+        seed=seed,
+        threads=threads,
+        hidden=hidden,
+        balance=balance,
+    )
+    network = load_primary(primary)
+    config = SafetyConfig(
+        channels=network.channels,
+        hidden=hidden,
+        tau=tau,
+        cut=cut,
+        include_brake=include_brake,
+        balance=balance,
+    )
+    with new_directory(output) as folder:
+        unseen = judge(network, d_safe, include_brake)
+        kept = held_out_episodes(unseen, held_out, np.random.default_rng(seed))
+        shown = unseen.only(~kept) + judge(network, dataset, include_brake)
+        with options.progress("training", passes) as advance_to:
+            safety, _ = train(
+                shown.features,
+                safe_labels(shown.deviation, tau),
+                shown.episode_index,
+                settings,
+                on_epoch=lambda epoch, epochs, now: advance_to(now["passes"]),
+            )
+        SafetyPolicy(config, safety).save_pretrained(folder)
+        measured = unseen.only(kept)
+        quality = detection_quality(safe_probabilities(safety, measured.features), measured.deviation, tau, cut)
+    write_metrics(metrics, {"tau": tau, "held_out": quality})
+    typer.echo(f"{output}: trained on {len(shown.deviation)} frames; held out: {options.figures(quality)}")
