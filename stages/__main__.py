@@ -5,7 +5,17 @@ import sys
 import typer
 from typer import TyperException
 
-from stages import collect, evaluate, ledger, merge, report, rollout, select, train_primary, train_safety
+from stages import (
+    collect,
+    evaluate,
+    ledger,
+    merge,
+    report,
+    rollout,
+    select,
+    train_primary,
+    train_safety,
+)
 
 app = typer.Typer(
     no_args_is_help=True,
@@ -13,7 +23,17 @@ app = typer.Typer(
     rich_markup_mode=None,
     help="SafeDAgger (Zhang & Cho 2016) on LeRobot datasets. Each command is one step of Algorithm 1.",
 )
-for stage in (collect, train_primary, train_safety, rollout, select, merge, ledger, evaluate, report):
+for stage in (
+    collect,
+    train_primary,
+    train_safety,
+    rollout,
+    select,
+    merge,
+    ledger,
+    evaluate,
+    report,
+):
     app.add_typer(stage.app)
 
 

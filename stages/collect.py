@@ -31,7 +31,9 @@ def collect(
     offset_spread: options.OffsetSpread,
     angle_spread: options.AngleSpread,
     record_every: options.RecordEvery,
-    purpose: Annotated[Purpose, typer.Option(help="Which random numbers to draw: those of D_0 or of D_safe.")],
+    purpose: Annotated[
+        Purpose, typer.Option(help="Which random numbers to draw: those of D_0 or of D_safe.")
+    ],
     seed: options.Seed,
     workers: options.Workers,
 ) -> None:
@@ -43,8 +45,8 @@ def collect(
     refuse_existing(output)
     names = options.track_names(tracks)
 
-    def plan(number: int) -> Drive:
-        return Drive(
+    plans = [
+        Drive(
             track=names[number % len(names)],
             traffic=traffic,
             spread=(offset_spread, angle_spread),
@@ -54,10 +56,12 @@ def collect(
             record_every=record_every,
             seconds=seconds,
         )
+        for number in range(episodes)
+    ]
 
     def driven() -> Iterator["Episode"]:
         with options.progress("collecting", episodes) as advance_to:
-            jobs = ((plan(number), None, 0, number) for number in range(episodes))
+            jobs = ((plan, None, 0, number) for number, plan in enumerate(plans))
             for done, recording in enumerate(in_order(record, jobs, workers), 1):
                 yield recording.episode
                 advance_to(done)

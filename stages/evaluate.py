@@ -17,7 +17,9 @@ def evaluate(
     tracks: options.Tracks,
     traffic: options.Traffic,
     laps: Annotated[float, typer.Option(min=0.01, help="Most laps of one drive; 3 in the paper.")],
-    starts: Annotated[int, typer.Option(min=1, help="Drives on each track, from different places.")],
+    starts: Annotated[
+        int, typer.Option(min=1, help="Drives on each track, from different places.")
+    ],
     seconds: options.Seconds,
     record_every: options.RecordEvery,
     cut: options.Cut,
@@ -30,7 +32,8 @@ def evaluate(
     from pipeline.evaluation.driving import evaluate as evaluate_drive
     from pipeline.evaluation.driving import plans
     from pipeline.evaluation.outcomes import write_outcomes
-    from pipeline.evaluation.summary import summarise, write_metrics
+    from pipeline.evaluation.summary import summarise
+    from pipeline.evaluation.writing import write_metrics
     from pipeline.policies.inference import Driver
     from pipeline.policies.recording import in_order
 
@@ -49,9 +52,13 @@ def evaluate(
     )
     outcomes = []
     with options.progress("driving", len(planned)) as advance_to:
-        for outcome in in_order(evaluate_drive, ((plan, start, driver) for plan, start in planned), workers):
+        for outcome in in_order(
+            evaluate_drive, ((plan, start, driver) for plan, start in planned), workers
+        ):
             outcomes.append(outcome)
             advance_to(len(outcomes))
     write_outcomes(drives, outcomes)
     write_metrics(metrics, summarise(outcomes))
-    typer.echo(f"{metrics}: {len(outcomes)} drives, {sum(o.frames for o in outcomes)} frames, 0 queries")
+    typer.echo(
+        f"{metrics}: {len(outcomes)} drives, {sum(o.frames for o in outcomes)} frames, 0 queries"
+    )

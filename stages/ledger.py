@@ -12,13 +12,15 @@ app = typer.Typer()
 
 @app.command()
 def ledger(
-    raw: Annotated[Path, typer.Argument(help="Every frame driven: D', or D_0 and D_safe themselves.")],
+    raw: Annotated[
+        Path, typer.Argument(help="Every frame driven: D', or D_0 and D_safe themselves.")
+    ],
     aggregate: Annotated[Path, typer.Argument(help="What was trained on: D_i.")],
     metrics: options.Metrics,
 ) -> None:
     """Count an iteration's queries from the columns of its datasets."""
     from pipeline.data.ledger import count
-    from pipeline.evaluation.summary import write_metrics
+    from pipeline.evaluation.writing import write_metrics
 
     counted = count(raw, aggregate)
     write_metrics(metrics, counted.to_dict())

@@ -21,26 +21,46 @@ Output = Annotated[Path, typer.Argument(help="Where to write. It must not exist.
 Primary = Annotated[Path, typer.Argument(help="A primary policy, as train-primary writes it.")]
 Safety = Annotated[Path, typer.Argument(help="Its safety policy, as train-safety writes it.")]
 
-Tracks = Annotated[str, typer.Option(help="Names of tracks, separated by commas; 'random:<seed>' is one too.")]
+Tracks = Annotated[
+    str, typer.Option(help="Names of tracks, separated by commas; 'random:<seed>' is one too.")
+]
 Traffic = Annotated[int, typer.Option(min=0, help="Other cars on the track.")]
-OffsetSpread = Annotated[float, typer.Option(min=0, help="Standard deviation of the initial offset from the lane [m].")]
-AngleSpread = Annotated[float, typer.Option(min=0, help="Standard deviation of the initial angle to the lane [rad].")]
+OffsetSpread = Annotated[
+    float, typer.Option(min=0, help="Standard deviation of the initial offset from the lane [m].")
+]
+AngleSpread = Annotated[
+    float, typer.Option(min=0, help="Standard deviation of the initial angle to the lane [rad].")
+]
 Seconds = Annotated[float, typer.Option(min=0, help="Longest time of one drive [s].")]
-RecordEvery = Annotated[int, typer.Option(min=1, help="Control steps (1/30 s) in a frame: an action is held for them.")]
-Cut = Annotated[float, typer.Option(min=0, max=1, help="A frame is unsafe below this safe probability.")]
-Iteration = Annotated[int, typer.Option(min=0, help="The iteration of Algorithm 1 that this belongs to.")]
+RecordEvery = Annotated[
+    int, typer.Option(min=1, help="Control steps (1/30 s) in a frame: an action is held for them.")
+]
+Cut = Annotated[
+    float, typer.Option(min=0, max=1, help="A frame is unsafe below this safe probability.")
+]
+Iteration = Annotated[
+    int, typer.Option(min=0, help="The iteration of Algorithm 1 that this belongs to.")
+]
 Metrics = Annotated[Path, typer.Option(help="Where to write what was measured (JSON).")]
-Seed = Annotated[int, typer.Option(min=0, help="Of every random choice: equal seeds give equal bytes.")]
+Seed = Annotated[
+    int, typer.Option(min=0, help="Of every random choice: equal seeds give equal bytes.")
+]
 Workers = Annotated[int, typer.Option(min=1, help="Processes. The result does not depend on it.")]
 
-Optimizer = Annotated[OptimizerName, typer.Option(help="sgd is the paper's, adamw one cycle of AdamW.")]
+Optimizer = Annotated[
+    OptimizerName, typer.Option(help="sgd is the paper's, adamw one cycle of AdamW.")
+]
 LearningRate = Annotated[float, typer.Option(help="The highest of the cycle, for adamw.")]
 WeightDecay = Annotated[float, typer.Option(help="Weight decay.")]
 Batch = Annotated[int, typer.Option(help="Examples in a step.")]
 Passes = Annotated[int, typer.Option(help="Examples shown in all.")]
-Validation = Annotated[float, typer.Option(help="Share of the episodes held out for the validation error.")]
+Validation = Annotated[
+    float, typer.Option(help="Share of the episodes held out for the validation error.")
+]
 Patience = Annotated[int, typer.Option(help="For sgd: epochs without improvement before it stops.")]
-Threads = Annotated[int, typer.Option(min=1, help="Processor threads. Another number may give other last bits.")]
+Threads = Annotated[
+    int, typer.Option(min=1, help="Processor threads. Another number may give other last bits.")
+]
 
 
 def track_names(tracks: str) -> list[str]:
@@ -54,7 +74,7 @@ def progress(what: str, total: float) -> Iterator[Callable[[float], None]]:
     from rich.console import Console
     from rich.progress import Progress
 
-    with Progress(console=Console(stderr=True)) as bars:
+    with Progress(console=Console(stderr=True), transient=True) as bars:
         bar = bars.add_task(what, total=total)
         yield lambda done: bars.update(bar, completed=done)
 

@@ -21,14 +21,18 @@ def rollout(
     output: options.Output,
     tracks: options.Tracks,
     traffic: options.Traffic,
-    queries: Annotated[int, typer.Option(min=1, help="Stop when the reference has been asked so often ...")],
+    queries: Annotated[
+        int, typer.Option(min=1, help="Stop when the reference has been asked so often ...")
+    ],
     frames: Annotated[int, typer.Option(min=1, help="... or so many frames have been driven.")],
     seconds: options.Seconds,
     offset_spread: options.OffsetSpread,
     angle_spread: options.AngleSpread,
     record_every: options.RecordEvery,
     cut: options.Cut,
-    iteration: Annotated[int, typer.Option(min=1, help="The iteration of Algorithm 1 that this is for.")],
+    iteration: Annotated[
+        int, typer.Option(min=1, help="The iteration of Algorithm 1 that this is for.")
+    ],
     metrics: options.Metrics,
     seed: options.Seed,
     workers: options.Workers,
@@ -37,7 +41,7 @@ def rollout(
     import numpy as np
 
     from pipeline.data.writing import write_dataset
-    from pipeline.evaluation.summary import write_metrics
+    from pipeline.evaluation.writing import write_metrics
     from pipeline.learning.quality import detection_quality
     from pipeline.output import refuse_existing
     from pipeline.policies.inference import SAFETY_TYPE, Driver, read_config
@@ -60,6 +64,8 @@ def rollout(
             seconds=seconds,
         )
 
+    for number in range(len(names)):
+        plan(number)  # refuses bad numbers before anything is begun
     probabilities: list[np.ndarray] = []
     deviations: list[np.ndarray] = []
 

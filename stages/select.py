@@ -15,4 +15,6 @@ def select(raw: options.Dataset, output: options.Output, cut: options.Cut) -> No
     from pipeline.data.writing import write_dataset
 
     record_every = check_dataset(raw)
-    typer.echo(write_dataset(output, select_unsafe(read_episodes(raw), cut), record_every=record_every))
+    typer.echo(
+        write_dataset(output, select_unsafe(read_episodes(raw), cut), record_every=record_every)
+    )

@@ -22,15 +22,23 @@ def train_primary(
     passes: options.Passes,
     validation: options.Validation,
     patience: options.Patience,
-    jitter: Annotated[float, typer.Option(help="How far brightness, contrast and colours are moved, [0, 1).")],
-    mirror: Annotated[bool, typer.Option(help="Show half of the images as in a mirror, labels and all.")],
+    jitter: Annotated[
+        float, typer.Option(help="How far brightness, contrast and colours are moved, [0, 1).")
+    ],
+    mirror: Annotated[
+        bool, typer.Option(help="Show half of the images as in a mirror, labels and all.")
+    ],
     steering_weight: Annotated[float, typer.Option(help="Weight of the steering in the loss.")],
     brake_weight: Annotated[float, typer.Option(help="Weight of the brake in the loss.")],
-    brake_on: Annotated[float, typer.Option(help="Class weight of the brake being on, the rare label.")],
+    brake_on: Annotated[
+        float, typer.Option(help="Class weight of the brake being on, the rare label.")
+    ],
     brake_cut: Annotated[float, typer.Option(help="Brake where its probability is above this.")],
     seed: options.Seed,
     threads: options.Threads,
-    initial: Annotated[Path | None, typer.Option(help="A primary policy to start from, else from scratch.")] = None,
+    initial: Annotated[
+        Path | None, typer.Option(help="A primary policy to start from, else from scratch.")
+    ] = None,
 ) -> None:
     """Train the primary policy to imitate the reference (lines 3 and 9)."""
     from pipeline.data.reading import read_columns, read_images
@@ -59,7 +67,9 @@ def train_primary(
         jitter=jitter,
         mirror=mirror,
     )
-    config = PrimaryConfig(channels=channels, sensor_range=SENSOR_RANGE, brake_cut=brake_cut, loss=loss)
+    config = PrimaryConfig(
+        channels=channels, sensor_range=SENSOR_RANGE, brake_cut=brake_cut, loss=loss
+    )
     with new_directory(output) as folder:
         columns = read_columns(dataset, ["action", "affordances"])
         start = load_primary(initial).state_dict() if initial else None

@@ -16,11 +16,19 @@ def train_safety(
     d_safe: Annotated[Path, typer.Argument(help="D_safe: no primary was trained on it.")],
     dataset: Annotated[Path, typer.Argument(help="D_i: this primary was trained on it.")],
     output: options.Output,
-    tau: Annotated[float, typer.Option(help="Threshold on the squared steering error: safe up to here.")],
+    tau: Annotated[
+        float, typer.Option(help="Threshold on the squared steering error: safe up to here.")
+    ],
     include_brake: Annotated[bool, typer.Option(help="Whether a wrong brake is a deviation too.")],
-    cut: Annotated[float, typer.Option(help="Unsafe is what has a lower probability of being safe.")],
-    balance: Annotated[float, typer.Option(help="Class weights: 0 counts each frame alike, 1 each class.")],
-    held_out: Annotated[float, typer.Option(help="Share of D_safe's episodes kept to measure with.")],
+    cut: Annotated[
+        float, typer.Option(help="Unsafe is what has a lower probability of being safe.")
+    ],
+    balance: Annotated[
+        float, typer.Option(help="Class weights: 0 counts each frame alike, 1 each class.")
+    ],
+    held_out: Annotated[
+        float, typer.Option(help="Share of D_safe's episodes kept to measure with.")
+    ],
     hidden: Annotated[int, typer.Option(help="Width of each of the two hidden layers.")],
     optimizer: options.Optimizer,
     learning_rate: options.LearningRate,
@@ -36,7 +44,7 @@ def train_safety(
     """Train the safety policy to tell where the primary deviates (lines 4 and 10)."""
     import numpy as np
 
-    from pipeline.evaluation.summary import write_metrics
+    from pipeline.evaluation.writing import write_metrics
     from pipeline.learning.labels import safe_labels
     from pipeline.learning.quality import detection_quality
     from pipeline.learning.safety import held_out_episodes, judge
@@ -83,6 +91,10 @@ def train_safety(
             )
         SafetyPolicy(config, safety).save_pretrained(folder)
         measured = unseen.only(kept)
-        quality = detection_quality(safe_probabilities(safety, measured.features), measured.deviation, tau, cut)
+        quality = detection_quality(
+            safe_probabilities(safety, measured.features), measured.deviation, tau, cut
+        )
     write_metrics(metrics, {"tau": tau, "held_out": quality})
-    typer.echo(f"{output}: trained on {len(shown.deviation)} frames; held out: {options.figures(quality)}")
+    typer.echo(
+        f"{output}: trained on {len(shown.deviation)} frames; held out: {options.figures(quality)}"
+    )

@@ -56,7 +56,9 @@ def evaluate(plan: Drive, start: int, driver: Driver) -> Outcome:
     Raises:
         ValueError: unknown track, or no room on it for so much traffic.
     """
-    with World(make_track(plan.track), plan.traffic, plan.spread, np.random.default_rng(plan.seed)) as world:
+    with World(
+        make_track(plan.track), plan.traffic, plan.spread, np.random.default_rng(plan.seed)
+    ) as world:
         frames = takeovers = 0
         squared_error = 0.0
         for frame in drive(

@@ -2,12 +2,10 @@
 
 from dataclasses import dataclass
 
-from pipeline.evaluation.results import Iteration, Results
-from pipeline.evaluation.summary import CONDITIONS, LAPS, condition, measure
-from pipeline.evaluation.wording import laps, share
+from pipeline.evaluation.results import Results
+from pipeline.evaluation.summary import CONDITIONS, LAPS, measure
+from pipeline.evaluation.wording import CONDITION_WORDS, laps, share
 from pipeline.policies.strategies import Strategy
-
-CONDITION_WORDS = {"no_traffic": "without traffic", "traffic": "with traffic"}
 
 
 @dataclass(frozen=True)
@@ -29,19 +27,14 @@ def check_expectations(results: Results) -> list[Check]:
     ]
 
 
-def laps_by_track(iteration: Iteration, strategy: Strategy, where: str) -> dict[str, float]:
-    """Mean laps on each track, in order of their names."""
-    drives = [d for d in iteration.drives if (d.strategy, condition(d)) == (strategy, where)]
-    tracks = sorted({drive.track for drive in drives})
-    return {name: measure(d for d in drives if d.track == name).laps for name in tracks}
-
-
 def _supervised_naive_fails(results: Results) -> Check:
     """The yardstick of a world that is hard enough."""
     driven = {
-        f"{track} {CONDITION_WORDS[where]}": distance
+        f"{track} {CONDITION_WORDS[where]}": measure(
+            results.first.drives_of(Strategy.NAIVE, where, track)
+        ).laps
         for where in CONDITIONS
-        for track, distance in laps_by_track(results.first, Strategy.NAIVE, where).items()
+        for track in results.first.tracks
     }
     failed = [name for name, distance in driven.items() if distance < LAPS]
     worst = min(driven, key=lambda name: driven[name])

@@ -117,7 +117,7 @@ def _draw_queries(axes: Axes, results: Results) -> None:
     axes.grid(axis="y")
     numbers = [iteration.number for iteration in results.iterations]
     loop = [0, *(total.queries for total in cumulative([step.ledger for step in results.loop]))]
-    d_0, d_safe = results.first.ledger.queries, results.d_safe_queries
+    d_0, d_safe = results.first.ledger.queries, results.d_safe.queries
     axes.bar(numbers, d_0, 0.6, color="0.8", label="$D_0$")
     axes.bar(
         numbers, d_safe, 0.6, d_0, color="white", edgecolor="0.6", hatch="////", label="$D_{safe}$"
@@ -136,10 +136,7 @@ def _draw_safety(axes: Axes, results: Results) -> None:
     numbers = [iteration.number for iteration in results.iterations]
     for metric, (label, colour, marker) in QUALITIES.items():
         held_out = [_value(iteration.held_out, metric) for iteration in results.iterations]
-        rollouts = [
-            _value(iteration.next_rollout and iteration.next_rollout.quality, metric)
-            for iteration in results.iterations
-        ]
+        rollouts = [_value(iteration.next_rollout, metric) for iteration in results.iterations]
         axes.plot(numbers, held_out, color=colour, marker=marker, label=label)
         axes.plot(
             numbers, rollouts, color=colour, marker=marker, linestyle=":", markerfacecolor="white"

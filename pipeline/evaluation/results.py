@@ -3,12 +3,13 @@
 import json
 from collections.abc import Mapping
 from dataclasses import MISSING, dataclass, fields
+from itertools import product
 from pathlib import Path
 from typing import Any
 
 from pipeline.data.ledger import Ledger
 from pipeline.evaluation.outcomes import Outcome, read_outcomes
-from pipeline.evaluation.summary import CONDITIONS, Performance
+from pipeline.evaluation.summary import CONDITIONS, Performance, condition
 from pipeline.policies.strategies import Strategy
 
 STRATEGIES = (Strategy.NAIVE, Strategy.SAFE)
@@ -16,7 +17,7 @@ STRATEGIES = (Strategy.NAIVE, Strategy.SAFE)
 
 @dataclass(frozen=True)
 class SafetyQuality:
-    """How well a safety policy finds the unsafe frames among some. None where there is no answer."""
+    """How well a safety policy finds unsafe frames. None where that is not defined."""
 
     auroc: float | None
     recall: float | None
@@ -24,16 +25,8 @@ class SafetyQuality:
     precision: float | None
     """share of what it calls unsafe that truly is"""
     share_unsafe: float | None
+    """truly, by tau"""
     share_predicted_unsafe: float | None
-
-
-@dataclass(frozen=True)
-class Rollout:
-    """What the policies of an iteration met when they drove to collect data for the next."""
-
-    quality: SafetyQuality
-    measuring_queries: int
-    """frames in which the reference was asked only to measure"""
 
 
 @dataclass(frozen=True)
@@ -41,18 +34,25 @@ class Iteration:
     """One iteration: its policies' driving, what it cost, and how good its safety policy is."""
 
     number: int
-    driving: Mapping[str, Mapping[str, Performance]]
+    driving: Mapping[Strategy, Mapping[str, Performance]]
     """[strategy][condition]"""
     drives: list[Outcome]
     ledger: Ledger
-    threshold: float
-    """tau"""
-    share_safe: float
-    """of D_safe, by tau"""
+    tau: float
     held_out: SafetyQuality
-    """on held-out frames that the reference drove"""
-    next_rollout: Rollout | None
-    """None for the last iteration: nothing was collected with its policies"""
+    """on held-out frames of D_safe, which the reference drove"""
+    next_rollout: SafetyQuality | None
+    """on what its policies met in collecting for the next iteration; None for the last"""
+
+    @property
+    def tracks(self) -> list[str]:
+        """Names of the test tracks, sorted."""
+        return sorted({drive.track for drive in self.drives})
+
+    def drives_of(self, strategy: Strategy, where: str, track: str) -> list[Outcome]:
+        """The drives of one strategy and condition on one track."""
+        case = (strategy, where, track)
+        return [d for d in self.drives if (d.strategy, condition(d), d.track) == case]
 
 
 @dataclass(frozen=True)
@@ -61,8 +61,7 @@ class Results:
 
     iterations: list[Iteration]
     """0 (supervised) to M, M >= 1"""
-    d_safe_queries: int
-    """frames of D_safe, all driven by the reference"""
+    d_safe: Ledger
 
     @property
     def first(self) -> Iteration:
@@ -90,7 +89,7 @@ def read_results(metrics: Path, iterations: int) -> Results:
         raise ValueError(f"iterations {iterations}: expected at least 1")
     return Results(
         [_iteration(metrics, number, iterations) for number in range(iterations + 1)],
-        d_safe_queries=_File(metrics / "ledger_0.json").number("d_safe_queries"),
+        d_safe=_File(metrics / "ledger_D_safe.json").record(Ledger),
     )
 
 
@@ -106,18 +105,25 @@ def _iteration(metrics: Path, number: int, last: int) -> Iteration:
             }
             for strategy in STRATEGIES
         },
-        drives=read_outcomes(metrics / f"drives_{number}.csv"),
-        ledger=_File(metrics / f"ledger_{number}.json").record(Ledger),
-        threshold=safety.number("threshold"),
-        share_safe=safety.number("share_safe"),
+        drives=_drives(metrics / f"drives_{number}.csv"),
+        ledger=_File(metrics / f"ledger_D_{number}.json").record(Ledger),
+        tau=safety.number("tau"),
         held_out=safety.record(SafetyQuality, "held_out"),
-        next_rollout=_rollout(metrics / f"rollout_{number + 1}.json") if number < last else None,
+        next_rollout=_File(metrics / f"rollout_{number + 1}.json").record(SafetyQuality, "rollout")
+        if number < last
+        else None,
     )
 
 
-def _rollout(path: Path) -> Rollout:
-    file = _File(path)
-    return Rollout(file.record(SafetyQuality, "rollout"), file.number("measuring_queries"))
+def _drives(path: Path) -> list[Outcome]:
+    """Every strategy, in every condition, on every track."""
+    drives = read_outcomes(path)
+    found = {(drive.strategy, condition(drive), drive.track) for drive in drives}
+    tracks = {drive.track for drive in drives}
+    for case in product(STRATEGIES, CONDITIONS, sorted(tracks)):
+        if case not in found:
+            raise ValueError(f"{path}: no drive of {', '.join(case)}, expected at least one")
+    return drives
 
 
 class _File:
@@ -128,7 +134,7 @@ class _File:
         if not path.is_file():
             raise FileNotFoundError(f"{path}: no such file, expected the metrics of an iteration")
         try:
-            self._content = json.loads(path.read_text())
+            self._content = json.loads(path.read_text(), parse_constant=_refuse)
         except ValueError as error:
             raise ValueError(f"{path}: {error}, expected JSON") from None
 
@@ -153,3 +159,8 @@ class _File:
             return None
         found = "nothing" if value is MISSING else json.dumps(value)
         raise ValueError(f"{self._path}: {'.'.join(keys)} is {found}, expected a number")
+
+
+def _refuse(constant: str) -> None:
+    """Python would read NaN and Infinity."""
+    raise ValueError(f"found {constant}")

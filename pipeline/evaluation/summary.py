@@ -67,7 +67,7 @@ def summarise(outcomes: Iterable[Outcome]) -> dict[str, dict[str, dict[str, floa
     """
     groups: dict[tuple[str, str], list[Outcome]] = defaultdict(list)
     for outcome in outcomes:
-        groups[outcome.strategy.value, condition(outcome)].append(outcome)
+        groups[str(outcome.strategy), condition(outcome)].append(outcome)
     if not groups:
         raise ValueError("there are no drives, expected at least one")
     summary: dict[str, dict[str, dict[str, float | None]]] = defaultdict(dict)

@@ -2,8 +2,9 @@
 
 import math
 
-NOTHING = "–"
+NOTHING = "-"
 """stands where there is no number"""
+CONDITION_WORDS = {"no_traffic": "without traffic", "traffic": "with traffic"}
 
 
 def laps(value: float) -> str:
@@ -33,12 +34,7 @@ def count(value: int) -> str:
     return f"{value:,}"
 
 
-def pair(without: str, with_traffic: str) -> str:
-    """Without traffic, and with traffic, in one cell."""
-    return f"{without} / {with_traffic}"
-
-
-def table(header: list[str], rows: list[list[str]]) -> str:
-    """A markdown table; the first column is text, the others numbers."""
-    rule = ["---", *["---:"] * (len(header) - 1)]
+def table(header: list[str], rows: list[list[str]], words: int = 1) -> str:
+    """A markdown table whose first `words` columns are text, and the others numbers."""
+    rule = ["---"] * words + ["---:"] * (len(header) - words)
     return "\n".join(f"| {' | '.join(row)} |" for row in [header, rule, *rows])

@@ -1,4 +1,4 @@
-"""Writing small files: complete or not at all, equal content gives equal bytes."""
+"""Writing small files: complete or not at all."""
 
 import json
 import math

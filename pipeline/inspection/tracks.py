@@ -1,6 +1,7 @@
 """Track sheets: each track from above, and a frame as the car sees it (the paper's appendix)."""
 
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -49,7 +50,7 @@ def track_sheet(names: Sequence[str], title: str) -> Figure:
         for i, track in enumerate(tracks):
             panels = outer[divmod(i, columns)].subgridspec(2, 1, height_ratios=[2.5, 1.125])
             frame, cars = sample_frame(track)
-            above, below = (figure.add_subplot(panel) for panel in panels)
+            above, below = (figure.add_subplot(panels[half]) for half in range(2))
             _draw_track(above, track)
             _draw_start(above, track)
             _draw_cars(above, cars)
@@ -78,11 +79,11 @@ def _random(track: Track, seed: int) -> np.random.Generator:
 def _draw_track(axes: Axes, track: Track) -> None:
     """Road, lane markings, start line and direction, in the track's own colours."""
     line, look = track.centreline, track.look
-    s = np.linspace(0.0, track.length, 801)
+    s = np.arange(801) * track.length / 800
     asphalt = (look.asphalt / 255,) * 3
 
     def along(d: float) -> tuple[NDArray, NDArray]:
-        return line.position(s, np.full_like(s, d))
+        return line.position(s, np.full(len(s), d))
 
     axes.fill(*along(track.half_width), color=asphalt, linewidth=0)
     axes.fill(*along(-track.half_width), color=asphalt, linewidth=0)
@@ -101,7 +102,7 @@ def _draw_start(axes: Axes, track: Track) -> None:
     x, y = line.position(np.zeros(2), np.array([-track.half_width, track.half_width]))
     axes.plot(x, y, color="black", linewidth=4.5, solid_capstyle="butt")
     axes.plot(x, y, color="white", linewidth=2.5, linestyle=(0, (1, 1)))
-    tail = line.position(np.zeros(1), np.full(1, _inwards(track) * (track.half_width + 12.0)))
+    tail = line.position(np.zeros(1), np.array([_inwards(track) * (track.half_width + 12.0)]))
     heading = line.heading_at(np.zeros(1))[0]
     axes.annotate(
         "",
@@ -118,7 +119,7 @@ def _draw_cars(axes: Axes, cars: Cars) -> None:
     view = Wedge(centre, WEDGE[0], heading - WEDGE[1], heading + WEDGE[1], color="#d55e00")
     view.set(alpha=0.45, zorder=3)
     axes.add_patch(view)
-    dots = {"edgecolor": "black", "linewidth": 0.5, "zorder": 4}
+    dots: dict[str, Any] = {"edgecolor": "black", "linewidth": 0.5, "zorder": 4}
     axes.scatter(cars.x[1:], cars.y[1:], s=9, color="#f0e442", **dots)
     axes.scatter(cars.x[:1], cars.y[:1], s=22, color="#d55e00", **dots)
 
@@ -143,5 +144,5 @@ def _inwards(track: Track) -> int:
     return 1 if np.sum(x * np.roll(y, -1) - np.roll(x, -1) * y) > 0 else -1
 
 
-def _rgb(colour: tuple[int, int, int]) -> tuple[float, ...]:
-    return tuple(level / 255 for level in colour)
+def _rgb(colour: tuple[int, int, int]) -> tuple[float, float, float]:
+    return colour[0] / 255, colour[1] / 255, colour[2] / 255

@@ -62,7 +62,8 @@ def fit(
             total += loss.detach() * len(batch)
         network.eval()
         passes += len(order)
-        metrics = {"epoch": epoch, "loss": float(total) / len(order), **validate()}
+        metrics = {"epoch": epoch, "passes": passes, "loss": float(total) / len(order)}
+        metrics |= validate()
         if not all(math.isfinite(value) for value in metrics.values()):
             raise ValueError(
                 f"learning_rate is {settings.learning_rate:g}, expected a lower one: "
@@ -72,7 +73,7 @@ def fit(
             on_epoch(epoch, epochs, metrics)
         if plan.ends(metrics):
             break
-    return {"passes": passes, **plan.finish()}
+    return plan.finish()
 
 
 class _Plan(Protocol):

@@ -48,7 +48,9 @@ def judge(primary: PrimaryNetwork, dataset: Path, include_brake: bool) -> Judged
     columns = read_columns(dataset, ["action", "queried"])
     if not columns["queried"].all():
         unknown = int((~columns["queried"]).sum())
-        raise ValueError(f"{dataset}: {unknown} frames have no label of the reference, expected none")
+        raise ValueError(
+            f"{dataset}: {unknown} frames have no label of the reference, expected none"
+        )
     proposed, features = propose(primary, read_images(dataset), brake_cut=0.5)
     epsilon = deviation(proposed, columns["action"], include_brake=include_brake)
     return Judged(features, epsilon, columns["episode_index"])
@@ -63,5 +65,7 @@ def held_out_episodes(judged: Judged, share: float, rng: np.random.Generator) ->
     episodes = np.unique(judged.episode_index)
     count = int(round(share * len(episodes)))
     if not 0 < count < len(episodes):
-        raise ValueError(f"held-out share {share} of {len(episodes)} episodes, expected some on both sides")
+        raise ValueError(
+            f"held-out share {share} of {len(episodes)} episodes, expected some on both sides"
+        )
     return np.isin(judged.episode_index, rng.permutation(episodes)[:count])

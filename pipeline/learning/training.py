@@ -14,9 +14,9 @@ from torch import Tensor
 
 from pipeline.data.schema import ACTIONS, AFFORDANCES, IMAGE_SHAPE
 from pipeline.learning.augmentation import jitter, mirror
-from pipeline.learning.computing import computing
 from pipeline.learning.fitting import Metrics, OnEpoch, fit, split_episodes
 from pipeline.learning.settings import PrimarySettings, SafetySettings
+from pipeline.policies.computing import computing
 from pipeline.policies.network import (
     PrimaryNetwork,
     SafetyNetwork,
@@ -177,6 +177,15 @@ def train_safety(
             on_epoch=on_epoch,
         )
     return network, metrics
+
+
+@torch.inference_mode()
+def safe_probabilities(network: SafetyNetwork, features: np.ndarray) -> np.ndarray:
+    """The probability float32 [N] that the primary is safe (Eq. 2), of `features` [N, F]."""
+    probabilities = np.empty(len(features), np.float32)
+    for rows in _chunks(np.arange(len(features))):
+        probabilities[rows] = network(torch.from_numpy(features[rows])).softmax(1)[:, 1].numpy()
+    return probabilities
 
 
 def class_weights(safe: np.ndarray, balance: float) -> Tensor:

@@ -42,7 +42,14 @@ class Frame:
 
 
 def drive(
-    world: World, driver: Driver | None, strategy: Strategy, *, cut: float, record_every: int, laps: float, seconds: float
+    world: World,
+    driver: Driver | None,
+    strategy: Strategy,
+    *,
+    cut: float,
+    record_every: int,
+    laps: float,
+    seconds: float,
 ) -> Iterator[Frame]:
     """Drive until the road is left, `laps` are done, `seconds` have passed or the car stands still.
 
@@ -55,7 +62,14 @@ def drive(
         safe_probability = driver.safe_probability(conv5) if driver and driver.safety else np.nan
         intervention = reference_drives(strategy, safe_probability, cut)
         actions = reference_actions(world.cars, world.track)
-        frame = Frame(image, world.affordances(), actions[0].copy(), primary_action, safe_probability, intervention)
+        frame = Frame(
+            image,
+            world.affordances(),
+            actions[0].copy(),
+            primary_action,
+            safe_probability,
+            intervention,
+        )
         action = frame.reference_action if intervention else primary_action
         for _ in range(record_every):
             actions[0] = action

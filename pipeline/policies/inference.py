@@ -17,6 +17,7 @@ from safetensors.torch import load_file
 from torch import Tensor, nn
 
 from pipeline.data.schema import IMAGE_SHAPE
+from pipeline.policies.computing import computing
 from pipeline.policies.network import (
     PrimaryNetwork,
     SafetyNetwork,
@@ -34,7 +35,7 @@ PRIMARY_TYPE = "safedagger_primary"
 SAFETY_TYPE = "safedagger_safety"
 """LeRobot's names for the two kinds of policies."""
 
-_PROPOSED = 64
+_PROPOSED = 32
 """Images at a time: more do not fit into a processor's cache."""
 
 
@@ -133,7 +134,7 @@ def propose(
     ready = _ready(network, bfloat16)
     actions = np.empty((len(images), 2), np.float32)
     conv5 = np.empty((len(images), feature_size(network.channels)), np.float16)
-    with torch.inference_mode():
+    with torch.inference_mode(), computing():
         for start in range(0, len(images), _PROPOSED):
             rows = slice(start, start + _PROPOSED)
             proposed, features = _propose(ready, torch.tensor(images[rows]), brake_cut)
@@ -185,9 +186,11 @@ def load_weights(network: nn.Module, directory: Path) -> None:
         ValueError: the file is missing or damaged, or a name, shape or type does not fit.
     """
     path = Path(directory) / WEIGHTS_FILE
+    if not path.is_file():
+        raise ValueError(f"{path} is missing, expected the weights of a policy")
     try:
         saved = load_file(path)
-    except (OSError, SafetensorError) as error:
+    except SafetensorError as error:
         reason = " ".join(str(error).split())
         raise ValueError(f"{path}: {reason}, expected the weights of a policy") from None
     wanted = {f"network.{name}": tensor for name, tensor in network.state_dict().items()}
@@ -213,7 +216,7 @@ def _ready(network: PrimaryNetwork, bfloat16: bool) -> PrimaryNetwork:
 
 
 def _describe(weights: Tensor | None) -> str:
-    return "missing" if weights is None else f"{weights.dtype} {list(weights.shape)}"
+    return "none" if weights is None else f"{weights.dtype} {list(weights.shape)}"
 
 
 def _field(directory: Path, config: dict[str, Any], name: str, kind: type | UnionType) -> Any:

@@ -59,7 +59,7 @@ class PrimaryNetwork(nn.Module):
     def features(self, images: Tensor) -> Tensor:
         """Conv5's activations [B, 2c, 4, 10] of `images` [B, 3, 72, 160], float in [0, 1]."""
         # Centred on mid-grey, it learns faster than from positive numbers alone.
-        x = (2 * images - 1).to(self.conv1.weight.dtype)
+        x = images.mul(2).sub_(1).to(self.conv1.weight.dtype)
         for convolution in self.convolutions()[:4]:
             # The rectifier and the maximum commute: after the pooling it has a quarter to do.
             x = F.relu(F.max_pool2d(convolution(x), 2))

@@ -21,7 +21,7 @@ from lerobot.utils.constants import ACTION
 from torch import Tensor, nn
 
 from pipeline.data.schema import ACTIONS, CAMERA, IMAGE_SHAPE
-from pipeline.policies.inference import PRIMARY_TYPE, load_weights, read_config
+from pipeline.policies.inference import CONFIG_FILE, PRIMARY_TYPE, load_weights, read_config
 from pipeline.policies.network import (
     CHANNELS,
     LossWeights,
@@ -105,7 +105,8 @@ class OfflinePolicy(PreTrainedPolicy):
         try:
             policy = cls(config or draccus.decode(cls.config_class, saved))
         except (DraccusException, ValueError, TypeError) as error:
-            raise ValueError(f"{directory}: {' '.join(str(error).split())}") from None
+            reason = " ".join(f"{error} {error.__cause__ or ''}".split())
+            raise ValueError(f"{directory / CONFIG_FILE}: {reason}") from None
         load_weights(policy.network, directory)
         return policy.to(policy.config.device).eval()
 

@@ -10,11 +10,12 @@ import torch
 from joblib import Parallel, delayed
 from numpy.typing import NDArray
 
-from pipeline.data.schema import CAMERA, Episode
+from pipeline.data.schema import CAMERA, Episode, check_record_every
 from pipeline.policies.driving import Frame, drive
 from pipeline.policies.inference import Driver
 from pipeline.policies.strategies import Strategy
 from pipeline.world.tracks import make_track
+from pipeline.world.traffic import check_room
 from pipeline.world.world import World
 
 
@@ -24,7 +25,11 @@ SEED_STREAMS = {"D_0": 0, "D_safe": 1, "rollout": 100, "evaluation": 1000}
 
 @dataclass(frozen=True)
 class Drive:
-    """What is to be driven, and how. Every drive has a random generator of its own, so their order does not matter."""
+    """What is to be driven, and how. Every drive has a random generator of its own, so their order does not matter.
+
+    Raises:
+        ValueError: unknown track, no room on it for so much traffic, or a number out of its range.
+    """
 
     track: str
     """a name that `make_track` knows"""
@@ -39,8 +44,20 @@ class Drive:
     """a safe probability below it is unsafe"""
     record_every: int
     """control steps in a frame, >= 1"""
+    seconds: float
+    """the longest it may take, > 0"""
     laps: float = np.inf
-    seconds: float = np.inf
+    """the farthest it may go, > 0"""
+
+    def __post_init__(self) -> None:
+        check_room(make_track(self.track), self.traffic)
+        check_record_every(self.record_every)
+        for name in ("seconds", "laps"):
+            if not getattr(self, name) > 0:
+                raise ValueError(f"{name} is {getattr(self, name)}, expected a number above 0")
+        for spread in self.spread:
+            if not 0 <= spread < np.inf:
+                raise ValueError(f"spread is {spread}, expected a number of at least 0")
 
     @property
     def task(self) -> str:
@@ -64,12 +81,10 @@ class Recording:
 
 
 def record(plan: Drive, driver: Driver | None, iteration: int, number: int) -> Recording:
-    """Drive once and keep every frame; `number` is the drive's in its iteration, for provenance.
-
-    Raises:
-        ValueError: unknown track, or no room on it for so much traffic.
-    """
-    with World(make_track(plan.track), plan.traffic, plan.spread, np.random.default_rng(plan.seed)) as world:
+    """Drive once and keep every frame; `number` is the drive's in its iteration, for provenance."""
+    with World(
+        make_track(plan.track), plan.traffic, plan.spread, np.random.default_rng(plan.seed)
+    ) as world:
         frames = list(
             drive(
                 world,
@@ -99,7 +114,9 @@ def _on_one_thread[Result](job: Callable[..., Result], arguments: tuple) -> Resu
     return job(*arguments)
 
 
-def until_queries(recordings: Iterable[Recording], queries: int, frames: int) -> Iterator[Recording]:
+def until_queries(
+    recordings: Iterable[Recording], queries: int, frames: int
+) -> Iterator[Recording]:
     """Recordings until the reference was asked `queries` times or `frames` were driven; the last one is cut short."""
     asked = driven = 0
     for recording in recordings:
@@ -127,7 +144,9 @@ def _episode(
             "affordances": np.stack([frame.affordances for frame in frames]),
             "intervention": intervention,
             "queried": intervention.copy(),
-            "safe_probability": np.array([[frame.safe_probability] for frame in frames], np.float32),
+            "safe_probability": np.array(
+                [[frame.safe_probability] for frame in frames], np.float32
+            ),
             "deviation": np.where(intervention, errors[:, None], np.nan).astype(np.float32),
             "source.iteration": np.full((count, 1), iteration, np.int64),
             "source.episode": np.full((count, 1), number, np.int64),

@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from pipeline.data.schema import AFFORDANCES, CONTROL_HZ, IMAGE_SHAPE
 from pipeline.world.cars import Cars
 from pipeline.world.tracks import Track, make_track
+from pipeline.world.traffic import check_room
 from pipeline.world.world import World
 
 Actions = NDArray[np.floating]
@@ -59,7 +60,7 @@ class DrivingEnv(gymnasium.Env[NDArray[np.uint8], Actions]):
         "module:attribute", since the policies that could drive know this package, not it them.
 
         Raises:
-            ValueError: unknown track, or a time or distance of 0.
+            ValueError: unknown track, no room for so many cars, or a time or distance of 0.
         """
         if laps <= 0 or max_seconds <= 0:
             raise ValueError(f"laps {laps}, max_seconds {max_seconds}: expected more than 0")
@@ -69,6 +70,7 @@ class DrivingEnv(gymnasium.Env[NDArray[np.uint8], Actions]):
         )
         self.render_mode = render_mode
         self._track = make_track(track)
+        check_room(self._track, traffic)
         self._traffic = traffic
         self._driver: TrafficDriver = (
             load_env_creator(traffic_driver) if isinstance(traffic_driver, str) else traffic_driver
@@ -84,11 +86,7 @@ class DrivingEnv(gymnasium.Env[NDArray[np.uint8], Actions]):
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
     ) -> tuple[NDArray[np.uint8], dict[str, Any]]:
-        """Start a new drive at random. Equal seeds give equal drives, bit for bit.
-
-        Raises:
-            ValueError: the track has no room for so many cars.
-        """
+        """Start a new drive at random. Equal seeds give equal drives, bit for bit."""
         super().reset(seed=seed)
         self.close()
         self.world = World(self._track, self._traffic, self._spread, self.np_random)

@@ -34,6 +34,13 @@ def reaches(d: NDArray[np.float64], centre: NDArray[np.float64]) -> NDArray[np.b
     return np.abs(d[None, :] - centre[:, None]) < 0.5 * (LANE_WIDTH + WIDTH) - LANE_MARGIN
 
 
+def check_room(track: Track, traffic: int) -> None:
+    """Raise ValueError unless `traffic` cars besides ours find room at the start."""
+    room = int(track.length / SLOT) * track.lanes
+    if not 0 <= traffic < room:
+        raise ValueError(f"traffic is {traffic}, expected 0 to {room - 1} cars on track {track.name}")
+
+
 def start(track: Track, traffic: int, spread: tuple[float, float], rng: np.random.Generator) -> Cars:
     """Our car and `traffic` others at random, in lanes, none inside another.
 
@@ -42,17 +49,17 @@ def start(track: Track, traffic: int, spread: tuple[float, float], rng: np.rando
     Raises:
         ValueError: the track has no room for so many cars.
     """
+    check_room(track, traffic)
     along = int(track.length / SLOT)
-    room = along * track.lanes
-    if not 0 <= traffic < room:
-        raise ValueError(f"cars {traffic}: track {track.name} has room for 0 to {room - 1}")
-    slots = rng.permutation(room)[: traffic + 1]
+    slots = rng.permutation(along * track.lanes)[: traffic + 1]
     play = track.length / along - LENGTH - 2.0
     s = (slots // track.lanes) * track.length / along + rng.uniform(0, play, traffic + 1)
     d = track.lane_centres[slots % track.lanes].copy()
     angle = np.zeros(traffic + 1)
-    d[0] += np.clip(rng.normal(0, spread[0]), -0.5 * LANE_WIDTH, 0.5 * LANE_WIDTH)
-    angle[0] = np.clip(rng.normal(0, spread[1]), -0.3, 0.3)
+    offset, angle[0] = rng.normal(0, spread[0]), np.clip(rng.normal(0, spread[1]), -0.3, 0.3)
+    reach = 0.5 * (LENGTH * np.abs(np.sin(angle[0])) + WIDTH * np.cos(angle[0]))
+    beside = LANE_WIDTH - 0.5 * WIDTH - 0.1 - reach  # [m] to a car in the next lane, but for 10 cm
+    d[0] += np.clip(offset, -beside, beside)
     limit = rng.uniform(*TRAFFIC_SPEEDS, traffic + 1)
     limit[0] = SPEED_LIMIT
     return place(track, s, d, angle, limit)

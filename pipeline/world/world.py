@@ -16,6 +16,7 @@ from pipeline.world.tracks import Track
 from pipeline.world.traffic import start
 
 RELEASE = 0.3  # [m/s] that a bumped car is left moving apart from ours
+TOUCH = 15  # control steps, half a second: two contacts with a car that are no further apart are one touch
 
 
 class World:
@@ -32,8 +33,11 @@ class World:
         self.scene = Scene(track, len(self.cars))
         self.scene.place(self.cars)
         self.damage = 0.0
-        """[m^2/s^2] the sum of half the squared speed of each impact on our car: energy per mass"""
+        """[m^2/s^2] the sum of half the squared speed of each touch of our car: energy per mass"""
         self._start = float(self.cars.s[0])
+        self._steps = 0
+        self._touches: dict[int, tuple[int, float]] = {}
+        """car -> step of its last contact with ours, damage that this touch has done so far"""
 
     def __enter__(self) -> Self:
         return self
@@ -64,6 +68,7 @@ class World:
         """Advance by one control step; `actions` is [N, 2], every car's steering in [-1, 1] and brake."""
         move(self.cars, actions, self.track)
         self.scene.place(self.cars)
+        self._steps += 1
         if self._is_near_another():
             for other, normal, overlap in self.scene.contacts():
                 self._collide(other, normal, overlap)
@@ -79,8 +84,7 @@ class World:
         directions = np.stack([np.cos(cars.heading[[0, other]]), np.sin(cars.heading[[0, other]])], axis=1)
         ours, theirs = cars.speed[[0, other], None] * directions
         closing = -float((ours - theirs) @ normal)
-        if closing > 0:
-            self.damage += 0.5 * closing**2
+        self._count_damage(other, 0.5 * max(closing, 0.0) ** 2)
         if abs(normal @ directions[0]) > 0.5:  # bumper to bumper, not side by side
             front, rear = (other, 0) if normal @ directions[0] < 0 else (0, other)
             shared = 0.5 * (cars.speed[0] + cars.speed[other])
@@ -89,3 +93,11 @@ class World:
         for car, way in ((0, 0.5), (other, -0.5)):
             cars.x[car] += way * overlap * normal[0]
             cars.y[car] += way * overlap * normal[1]
+
+    def _count_damage(self, other: int, energy: float) -> None:
+        """A touch may last, or come and go, for many steps: it counts once, by its hardest moment."""
+        last, counted = self._touches.get(other, (0, 0.0))
+        if self._steps - last > TOUCH:
+            counted = 0.0
+        self.damage += max(energy - counted, 0.0)
+        self._touches[other] = (self._steps, max(energy, counted))

@@ -1,0 +1,83 @@
+"""Datasets that several tests read, written once: importing LeRobot takes 15 s."""
+
+import json
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from pipeline.data.schema import Episode
+from pipeline.data.writing import write_dataset
+from tests.episodes import random_episode
+
+
+def tree(root: Path) -> dict[str, bytes]:
+    """Every file below `root` with its content."""
+    return {
+        str(file.relative_to(root)): file.read_bytes() for file in root.rglob("*") if file.is_file()
+    }
+
+
+def strict_json(file: Path) -> dict:
+    """The content of a JSON file, which must not hold NaN or Infinity."""
+
+    def refuse(constant: str) -> None:
+        raise ValueError(f"{file} has {constant}")
+
+    return json.loads(file.read_text(), parse_constant=refuse)
+
+
+@pytest.fixture(scope="session", autouse=True)
+def cache(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
+    """Stands for the user's home, where `datasets` leaves its copies unless it is prevented."""
+    folder = tmp_path_factory.mktemp("home") / "cache"
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("datasets.config.HF_DATASETS_CACHE", folder)
+        yield folder
+
+
+@pytest.fixture
+def load(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Callable:
+    """LeRobot's own loader."""
+    from lerobot.datasets import LeRobotDataset
+
+    monkeypatch.setattr("datasets.config.HF_DATASETS_CACHE", tmp_path / "lerobot_cache")
+    return lambda path: LeRobotDataset("local/test", root=path, video_backend="pyav")
+
+
+@pytest.fixture(scope="session")
+def demonstrations() -> list[Episode]:
+    """Iteration 0: two drives of the reference, on two tracks."""
+    rng = np.random.default_rng(0)
+    return [
+        random_episode(rng, 4, task="coast, no cars", episode=0, reference_only=True),
+        random_episode(rng, 3, task="hills, 20 cars", episode=1, reference_only=True),
+    ]
+
+
+@pytest.fixture(scope="session")
+def drives() -> list[Episode]:
+    """Iteration 1: three drives of primary and reference, one of a single row, one track new."""
+    rng = np.random.default_rng(1)
+    return [
+        random_episode(rng, 5, task="forest, 5 cars", iteration=1, episode=0),
+        random_episode(rng, 1, task="coast, no cars", iteration=1, episode=1),
+        random_episode(rng, 4, task="forest, 5 cars", iteration=1, episode=2),
+    ]
+
+
+@pytest.fixture(scope="session")
+def d_0(tmp_path_factory: pytest.TempPathFactory, demonstrations: list[Episode]) -> Path:
+    """`demonstrations` at 10 frames per second. Do not change it."""
+    path = tmp_path_factory.mktemp("datasets") / "D_0"
+    write_dataset(path, demonstrations, record_every=3)
+    return path
+
+
+@pytest.fixture(scope="session")
+def rollout_1(tmp_path_factory: pytest.TempPathFactory, drives: list[Episode]) -> Path:
+    """`drives` at 10 frames per second. Do not change it."""
+    path = tmp_path_factory.mktemp("datasets") / "rollout_1"
+    write_dataset(path, drives, record_every=3)
+    return path

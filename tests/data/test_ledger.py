@@ -1,0 +1,121 @@
+import json
+import tempfile
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import HealthCheck, Phase, assume, given, settings
+from hypothesis import strategies as st
+
+from pipeline.data.ledger import Ledger, count, cumulative, row_queries
+from pipeline.data.merging import merge
+from pipeline.data.reading import read_columns, read_episodes
+from pipeline.data.selecting import select_unsafe
+from pipeline.data.writing import write_dataset
+from tests.episodes import random_episode
+
+flags = st.lists(st.tuples(st.booleans(), st.booleans()), max_size=30)
+
+
+@given(flags, st.integers(1, 30))
+def test_a_row_costs_k_queries_where_the_reference_drove_and_one_where_it_labelled(
+    rows: list[tuple[bool, bool]], k: int
+) -> None:
+    intervention, queried = np.array(rows, bool).reshape(-1, 2).T
+    queries = row_queries(intervention, queried, k)
+    assert queries.dtype == np.int64
+    assert queries.tolist() == [k if drove else int(asked) for drove, asked in rows]
+
+
+def test_iteration_zero_is_what_the_reference_drove(d_0: Path) -> None:
+    # 7 rows, each of which stands for 3 control frames
+    assert count(None, d_0) == Ledger(
+        frames_driven=21, queries=21, frames_selected=7, frames_trained=7, takeover=1.0
+    )
+
+
+def test_dagger_pays_for_labels_that_it_throws_away(d_0: Path, tmp_path: Path) -> None:
+    # all ten rows labelled while the primary drives, of which every other one is kept
+    raw = random_episode(np.random.default_rng(0), 10, iteration=1)
+    raw.columns["intervention"][:], raw.columns["queried"][:] = False, True
+    write_dataset(tmp_path / "raw", [raw], record_every=3)
+    sample = [raw.rows(row, row + 1) for row in range(0, 10, 2)]
+    write_dataset(tmp_path / "selected", sample, record_every=3)
+    merge([d_0, tmp_path / "selected"], tmp_path / "D_1")
+    assert count(tmp_path / "raw", tmp_path / "D_1") == Ledger(
+        frames_driven=30, queries=10, frames_selected=5, frames_trained=12, takeover=0.0
+    )
+
+
+@settings(
+    max_examples=3,
+    deadline=None,
+    phases=[Phase.generate],  # shrinking would take minutes
+    suppress_health_check=[HealthCheck.function_scoped_fixture],
+)
+@given(lengths=st.lists(st.integers(1, 6), min_size=1, max_size=2), seed=st.integers(0, 2**32 - 1))
+def test_safedagger_neither_loses_nor_invents_a_frame(
+    d_0: Path, lengths: list[int], seed: int
+) -> None:
+    # the rows selected are the rows queried, and what the aggregate grew by
+    rng = np.random.default_rng(seed)
+    raw = [random_episode(rng, n, iteration=1, episode=e) for e, n in enumerate(lengths)]
+    unsafe = sum(int(drive.columns["intervention"].sum()) for drive in raw)
+    assume(unsafe > 0)
+    with tempfile.TemporaryDirectory() as folder:
+        root = Path(folder)
+        write_dataset(root / "raw", raw, record_every=3)
+        selected = select_unsafe(read_episodes(root / "raw"), 0.5)
+        kept = write_dataset(root / "selected", selected, record_every=3)
+        merged = merge([d_0, root / "selected"], root / "D_1")
+        ledger = count(root / "raw", root / "D_1")
+        queried = read_columns(root / "raw", ["queried"])["queried"]
+
+    assert kept.frames == queried.sum() == unsafe
+    assert merged.frames == 7 + kept.frames
+    assert ledger == Ledger(
+        frames_driven=3 * sum(lengths),
+        queries=3 * unsafe,
+        frames_selected=unsafe,
+        frames_trained=7 + unsafe,
+        takeover=unsafe / sum(lengths),
+    )
+    assert kept.queries == ledger.queries
+
+
+ledgers = st.lists(
+    st.builds(
+        Ledger,
+        frames_driven=st.integers(1, 10_000),
+        queries=st.integers(0, 10_000),
+        frames_selected=st.integers(0, 10_000),
+        frames_trained=st.integers(1, 10_000),
+        takeover=st.floats(0, 1),
+    ),
+    max_size=6,
+)
+
+
+@given(ledgers)
+def test_cumulative_counts_add_up(iterations: list[Ledger]) -> None:
+    totals = cumulative(iterations)
+    assert len(totals) == len(iterations)
+    for n, (now, total) in enumerate(zip(iterations, totals, strict=True), 1):
+        for name in ("frames_driven", "queries", "frames_selected"):
+            assert getattr(total, name) == sum(getattr(part, name) for part in iterations[:n])
+        assert total.frames_trained == now.frames_trained
+        by_reference = sum(part.takeover * part.frames_driven for part in iterations[:n])
+        assert total.takeover * total.frames_driven == pytest.approx(by_reference)
+
+
+def test_a_ledger_is_plain_numbers(d_0: Path) -> None:
+    numbers = count(None, d_0).to_dict()
+    assert json.loads(json.dumps(numbers)) == numbers
+    assert [type(number) for number in numbers.values()] == [int, int, int, int, float]
+
+
+def test_refuses_what_is_no_dataset(d_0: Path, tmp_path: Path) -> None:
+    with pytest.raises(FileNotFoundError, match="rollout_1: there is no such dataset"):
+        count(tmp_path / "rollout_1", d_0)
+    with pytest.raises(FileNotFoundError, match="D_1: there is no such dataset"):
+        count(None, tmp_path / "D_1")

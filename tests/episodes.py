@@ -1,0 +1,64 @@
+"""Random valid episodes, for any test that needs a dataset."""
+
+import numpy as np
+
+from pipeline.data.schema import ACTIONS, CAMERA, IMAGE_SHAPE, Episode
+
+
+def random_episode(
+    rng: np.random.Generator,
+    frames: int,
+    *,
+    task: str = "coast, 20 cars",
+    iteration: int = 0,
+    episode: int = 0,
+    first_frame: int = 0,
+    reference_only: bool = False,
+    images: np.ndarray | None = None,
+) -> Episode:
+    """An episode of `frames` rows as the pipeline records them.
+
+    With `reference_only` it is of iteration 0: the reference drives, and there is neither a primary
+    nor a safety policy. Otherwise the reference drives where the safe probability is below 0.5.
+    `images` are drawn at random unless given, uint8 [frames, 72, 160, 3].
+    """
+    reference, primary = random_actions(rng, frames), random_actions(rng, frames)
+    safe_probability = rng.random((frames, 1), dtype=np.float32)
+    intervention = safe_probability < 0.5
+    deviation = np.where(intervention, (reference - primary)[:, :1] ** 2, np.float32(np.nan))
+    if reference_only:
+        primary, safe_probability, deviation = (
+            np.full_like(column, np.nan) for column in (primary, safe_probability, deviation)
+        )
+        intervention = np.ones((frames, 1), bool)
+    return Episode(
+        task,
+        {
+            CAMERA: random_images(rng, frames) if images is None else images,
+            "action": np.where(intervention, reference, primary),
+            "primary_action": primary,
+            "affordances": rng.random((frames, 10), dtype=np.float32),
+            "intervention": intervention,
+            "queried": intervention.copy(),
+            "safe_probability": safe_probability,
+            "deviation": deviation,
+            "source.iteration": np.full((frames, 1), iteration, np.int64),
+            "source.episode": np.full((frames, 1), episode, np.int64),
+            "source.frame": np.arange(first_frame, first_frame + frames, dtype=np.int64)[:, None],
+        },
+    )
+
+
+def random_actions(rng: np.random.Generator, frames: int) -> np.ndarray:
+    """float32 [frames, 2]: steering in [-1, 1], brake 0 or 1."""
+    actions = np.empty((frames, len(ACTIONS)), np.float32)
+    actions[:, 0] = rng.uniform(-1, 1, frames)
+    actions[:, 1] = rng.integers(0, 2, frames)
+    return actions
+
+
+def random_images(rng: np.random.Generator, frames: int) -> np.ndarray:
+    """uint8 [frames, 72, 160, 3]: coarse blocks, which compress about as well as a road does."""
+    height, width, channels = IMAGE_SHAPE
+    blocks = rng.integers(0, 256, (frames, height // 4, width // 4, channels), dtype=np.uint8)
+    return blocks.repeat(4, axis=1).repeat(4, axis=2)

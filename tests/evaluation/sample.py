@@ -1,0 +1,104 @@
+"""Metrics of a made-up run of three iterations, and drives to make others from."""
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from pipeline.evaluation.outcomes import Outcome, write_outcomes
+from pipeline.evaluation.summary import summarise
+from pipeline.evaluation.writing import write_metrics
+from pipeline.policies.strategies import Strategy
+
+TRACKS = ("spruce", "willow", "yew")
+CARS = 40
+# (laps, damage, share driven by the reference) of iterations 0 to 3
+GOOD: dict[tuple[str, int], tuple[tuple[float, float, float], ...]] = {
+    ("naive", 0): ((1.4, 0, 0), (2.2, 0, 0), (3.0, 0, 0), (3.0, 0, 0)),
+    ("naive", CARS): ((0.5, 40, 0), (1.1, 12, 0), (2.4, 6, 0), (2.8, 1.5, 0)),
+    ("safe", 0): ((3.0, 0, 0.2), (3.0, 0, 0.15), (3.0, 0, 0.1), (3.0, 0, 0.08)),
+    ("safe", CARS): ((2.9, 3, 0.4), (3.0, 1, 0.3), (3.0, 0.5, 0.2), (3.0, 0, 0.12)),
+}
+
+
+def outcome(**changes: Any) -> Outcome:
+    """A drive that left the road half-way round the second lap."""
+    values: dict[str, Any] = {
+        "track": "yew",
+        "traffic": 0,
+        "strategy": Strategy.NAIVE,
+        "start": 0,
+        "laps": 1.5,
+        "damage": 0.0,
+        "frames": 500,
+        "takeover_frames": 0,
+        "squared_error_sum": 5.0,
+        "primary_frames": 500,
+        "off_road": True,
+    }
+    return Outcome(**values | changes)
+
+
+def drives(iteration: int, plan: Mapping = GOOD) -> list[Outcome]:
+    """Two starts on each track, strategy and condition; yew goes as planned, the others better."""
+    return [
+        _drive(track, traffic, strategy, start, *levels[iteration])
+        for (strategy, traffic), levels in plan.items()
+        for track in TRACKS
+        for start in range(2)
+    ]
+
+
+def _drive(
+    track: str, traffic: int, strategy: str, start: int, laps: float, damage: float, share: float
+) -> Outcome:
+    laps = laps if track == "yew" else min(laps + 0.3 * start + 0.2, 3.0)
+    frames = round(300 * laps)
+    takeover_frames = round(frames * share)
+    primary_frames = frames - takeover_frames
+    return outcome(
+        track=track,
+        traffic=traffic,
+        strategy=Strategy(strategy),
+        start=start,
+        laps=laps,
+        damage=float(damage),
+        frames=frames,
+        takeover_frames=takeover_frames,
+        primary_frames=primary_frames,
+        squared_error_sum=primary_frames * 0.05 / (1 + laps),
+        off_road=laps < 3.0,
+    )
+
+
+def quality(auroc: float | None) -> dict[str, float | None]:
+    return {
+        "auroc": auroc,
+        "recall": None if auroc is None else auroc - 0.3,
+        "precision": None if auroc is None else auroc - 0.2,
+        "share_unsafe": 0.2,
+        "share_predicted_unsafe": 0.15,
+    }
+
+
+def write_run(metrics: Path, plan: Mapping = GOOD, iterations: int = 3) -> Path:
+    """Every file that the report reads."""
+    for i in range(iterations + 1):
+        write_outcomes(metrics / f"drives_{i}.csv", drives(i, plan))
+        write_metrics(metrics / f"driving_{i}.json", summarise(drives(i, plan)))
+        ledger = {
+            "frames_driven": 3600 + 10 * i,
+            "queries": 3600 if i == 0 else 1400 - 300 * i,
+            "frames_selected": 3600 if i == 0 else 1400 - 300 * i,
+            "frames_trained": 3600 + sum(1400 - 300 * j for j in range(1, i + 1)),
+            "takeover": 1.0 if i == 0 else (1400 - 300 * i) / (3600 + 10 * i),
+        }
+        write_metrics(metrics / f"ledger_D_{i}.json", ledger)
+        safety = {"tau": 0.0025, "held_out": quality(0.9)}
+        write_metrics(metrics / f"safety_{i}.json", safety)
+        if i > 0:
+            rollout = {"tau": 0.0025, "rollout": quality(0.8 - i / 50)}
+            write_metrics(metrics / f"rollout_{i}.json", rollout)
+    d_safe = {"frames_selected": 1201, "frames_trained": 1201, "takeover": 1.0}
+    d_safe |= {"frames_driven": 1201, "queries": 1201}
+    write_metrics(metrics / "ledger_D_safe.json", d_safe)
+    return metrics

@@ -1,0 +1,124 @@
+"""Known drives give known metrics, as strict JSON."""
+
+import json
+import random
+from dataclasses import asdict
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from pipeline.evaluation.outcomes import Outcome
+from pipeline.evaluation.summary import measure, summarise
+from pipeline.evaluation.writing import write_metrics
+from tests.evaluation.sample import drives, outcome
+
+
+def test_laps_are_the_mean_over_tracks_of_the_mean_over_starts() -> None:
+    given_drives = [
+        outcome(track="yew", laps=1.0),
+        outcome(track="yew", laps=2.0, start=1),
+        outcome(track="yew", laps=3.0, start=2),
+        outcome(track="willow", laps=0.5),
+    ]
+    assert measure(given_drives).laps == (2.0 + 0.5) / 2
+
+
+def test_a_drive_counts_three_laps_at_most() -> None:
+    assert measure([outcome(laps=3.004), outcome(laps=1.0)]).laps == 2.0
+
+
+def test_damage_is_per_distance_driven_and_pooled() -> None:
+    pooled = measure([outcome(laps=0.5, damage=6.0), outcome(laps=2.5, damage=0.0)])
+    assert pooled.damage_per_lap == 2.0
+    assert measure([outcome(laps=0.0, damage=6.0)]).damage_per_lap is None
+
+
+def test_the_steering_error_is_per_frame_of_the_primary() -> None:
+    long = outcome(frames=300, primary_frames=300, squared_error_sum=3.0)
+    short = outcome(frames=300, takeover_frames=200, primary_frames=100, squared_error_sum=5.0)
+    pooled = measure([long, short])
+    assert pooled.steering_mse == 8.0 / 400
+    assert pooled.measuring_queries == 400
+    assert pooled.takeover == 200 / 600
+    reference = outcome(takeover_frames=500, primary_frames=0, squared_error_sum=0.0)
+    assert measure([reference]).steering_mse is None
+    assert measure([reference]).takeover == 1.0
+
+
+def test_off_road_is_a_share_of_the_drives() -> None:
+    left = [outcome(off_road=off_road) for off_road in (True, False, False, True)]
+    assert measure(left).off_road == 0.5
+    assert (measure(left).drives, measure(left).frames) == (4, 2000)
+
+
+errors = st.floats(0, 4)
+
+
+@given(st.lists(st.tuples(errors, st.integers(1, 1000)), min_size=1, max_size=8))
+def test_pooled_error_is_between_least_and_largest(parts: list[tuple[float, int]]) -> None:
+    pooled = measure(
+        outcome(frames=n, primary_frames=n, squared_error_sum=mse * n) for mse, n in parts
+    )
+    assert pooled.steering_mse is not None
+    lowest, highest = min(mse for mse, _ in parts), max(mse for mse, _ in parts)
+    assert lowest * (1 - 1e-12) <= pooled.steering_mse <= highest * (1 + 1e-12)
+
+
+@given(st.randoms(use_true_random=False))
+def test_the_order_of_the_drives_does_not_matter(shuffler: random.Random) -> None:
+    shuffled = drives(1)
+    shuffler.shuffle(shuffled)
+    assert summarise(shuffled) == summarise(drives(1))
+
+
+def test_summary_is_by_strategy_and_condition() -> None:
+    summary = summarise(drives(1))
+    assert {name: set(conditions) for name, conditions in summary.items()} == {
+        "naive": {"no_traffic", "traffic"},
+        "safe": {"no_traffic", "traffic"},
+    }
+    in_traffic = [d for d in drives(1) if d.strategy == "safe" and d.traffic > 0]
+    assert summary["safe"]["traffic"] == asdict(measure(in_traffic))
+
+
+@pytest.mark.parametrize("metrics_of", [measure, summarise])
+def test_no_drives_no_metrics(metrics_of) -> None:
+    none: list[Outcome] = []
+    with pytest.raises(ValueError, match="no drives, expected at least one"):
+        metrics_of(none)
+
+
+def test_metrics_are_strict_json_with_stable_bytes(tmp_path: Path) -> None:
+    path = tmp_path / "metrics" / "driving_0.json"
+    metrics = {
+        "b": np.float32(1 / 3),
+        "a": {"nan": float("nan"), "inf": -np.inf, "none": None, "count": np.int64(7)},
+        "c": [123456789.0, True],
+    }
+    write_metrics(path, metrics)
+    text = path.read_text()
+    assert text.endswith("}\n")
+    content = json.loads(text, parse_constant=pytest.fail)
+    assert content == {
+        "a": {"count": 7, "inf": None, "nan": None, "none": None},
+        "b": 0.333333,
+        "c": [123457000.0, True],
+    }
+    assert list(content) == sorted(content)
+    assert [file.name for file in path.parent.iterdir()] == [path.name]
+
+
+def test_metrics_that_are_no_json_leave_nothing(tmp_path: Path) -> None:
+    with pytest.raises(TypeError):
+        write_metrics(tmp_path / "metrics.json", {"a": {1, 2}})
+    assert not list(tmp_path.iterdir())
+
+
+def test_dvc_finds_the_leaves(tmp_path: Path) -> None:
+    write_metrics(tmp_path / "driving_0.json", summarise(drives(0)))
+    written = json.loads((tmp_path / "driving_0.json").read_text())
+    for leaf in ("laps", "damage_per_lap", "steering_mse", "takeover"):
+        assert isinstance(written["naive"]["no_traffic"][leaf], float | int)

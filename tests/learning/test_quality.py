@@ -1,0 +1,68 @@
+"""How well unsafe frames are found, by hand."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from pipeline.learning.quality import detection_quality
+
+NAN = float("nan")
+
+
+def quality(probability: list[float], epsilon: list[float], tau=0.0025, cut=0.5):
+    return detection_quality(np.array(probability), np.array(epsilon), tau, cut)
+
+
+def test_by_hand():
+    #      found          missed  false alarm   well left alone
+    found = quality([0.1, 0.4, 0.6, 0.3, 0.7, 0.9, 0.8, 0.5], [1, 1, 1, 0, 0, 0, 0, 0.0025])
+    assert found == {
+        "frames": 8,
+        "share_unsafe": 3 / 8,
+        "share_predicted_unsafe": 3 / 8,
+        "recall": 2 / 3,
+        "precision": 2 / 3,
+        # Of 15 pairs of unsafe and safe three are in the wrong order: .4 .3, .6 .3 and .6 .5.
+        "auroc": pytest.approx(12 / 15),
+    }
+
+
+def test_the_cut_itself_is_safe_and_the_threshold_too():
+    measured = quality([0.5, 0.49], [0.0025, 0.0026])
+    assert (measured["recall"], measured["precision"]) == (1, 1)
+
+
+def test_ties_count_half():
+    assert quality([0.5, 0.5, 0.5], [1, 0, 0])["auroc"] == 0.5
+
+
+def test_what_is_not_defined_is_none():
+    assert quality([0.9, 0.8], [0, 0]) == {
+        "frames": 2,
+        "share_unsafe": 0,
+        "share_predicted_unsafe": 0,
+        "recall": None,
+        "precision": None,
+        "auroc": None,
+    }
+    assert quality([0.1], [1])["auroc"] is None
+    assert set(quality([], []).values()) == {0, None}
+
+
+def test_frames_without_a_deviation_or_a_probability_are_left_out():
+    assert quality([0.1, NAN, 0.9, 0.2], [1, 1, 0, NAN]) == quality([0.1, 0.9], [1, 0])
+
+
+def test_arrays_of_different_lengths_are_refused():
+    with pytest.raises(ValueError, match=r"safe_probability is \(1,\), expected \(2,\)"):
+        quality([0.1], [1, 0])
+
+
+@given(st.lists(st.tuples(st.sampled_from([0.1, 0.3, 0.5, 0.9]), st.booleans()), max_size=20))
+def test_the_auroc_is_the_share_of_pairs_in_order(frames):
+    unsafe = [p for p, is_unsafe in frames if is_unsafe]
+    safe = [p for p, is_unsafe in frames if not is_unsafe]
+    found = quality([p for p, _ in frames], [float(u) for _, u in frames])["auroc"]
+    pairs = [1.0 if u < s else 0.5 if u == s else 0.0 for u in unsafe for s in safe]
+    assert found == (pytest.approx(np.mean(pairs)) if pairs else None)

@@ -1,0 +1,52 @@
+"""Settings out of range are refused by name."""
+
+import pytest
+
+from pipeline.learning.settings import PrimarySettings, SafetySettings
+
+OPTIMISATION = {"optimizer": "adamw", "learning_rate": 1e-3, "weight_decay": 0.01, "passes": 10}
+
+
+def test_the_papers_training_can_be_asked_for():
+    settings = PrimarySettings(
+        optimizer="sgd", learning_rate=0.001, weight_decay=0.001, passes=4_000_000
+    )
+    assert (settings.batch, settings.channels) == (64, 64)
+
+
+@pytest.mark.parametrize(
+    ("field", "value"),
+    [
+        ("optimizer", "adam"),
+        ("learning_rate", 0),
+        ("learning_rate", float("inf")),
+        ("weight_decay", -1),
+        ("weight_decay", float("nan")),
+        ("passes", 0),
+        ("batch", 0),
+        ("validation", 1.0),
+        ("validation", -0.1),
+        ("patience", 0),
+        ("seed", -1),
+        ("threads", 0),
+        ("channels", 0),
+        ("sensor_range", 0),
+        ("jitter", 1.0),
+    ],
+)
+def test_a_field_out_of_range_is_named(field, value):
+    with pytest.raises(ValueError, match=f"^{field} is {value!r}, expected") as caught:
+        PrimarySettings(**OPTIMISATION | {field: value})
+    assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize(("field", "value"), [("hidden", 0), ("balance", 1.1), ("balance", -0.1)])
+def test_so_are_those_of_the_safety_policy(field, value):
+    fields = OPTIMISATION | {"hidden": 8, "balance": 0.5} | {field: value}
+    with pytest.raises(ValueError, match=f"^{field} is {value}, expected a number at"):
+        SafetySettings(**fields)
+
+
+def test_sgd_needs_frames_to_validate_on():
+    with pytest.raises(ValueError, match="validation is 0, expected more"):
+        PrimarySettings(**OPTIMISATION | {"optimizer": "sgd", "validation": 0.0})

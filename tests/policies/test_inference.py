@@ -1,0 +1,125 @@
+"""Driving with networks, and reading them back without LeRobot."""
+
+import subprocess
+import sys
+
+import cloudpickle
+import numpy as np
+import pytest
+import torch
+
+from pipeline.policies.inference import Driver, propose
+from pipeline.policies.network import PrimaryNetwork, SafetyNetwork, feature_size, to_float
+
+torch.set_num_threads(1)
+
+
+@pytest.fixture(scope="module")
+def primary() -> PrimaryNetwork:
+    return PrimaryNetwork(4, generator=torch.Generator().manual_seed(0)).eval()
+
+
+@pytest.fixture(scope="module")
+def safety() -> SafetyNetwork:
+    return SafetyNetwork(feature_size(4), 8, generator=torch.Generator().manual_seed(1)).eval()
+
+
+@pytest.fixture(scope="module")
+def images() -> np.ndarray:
+    return np.random.default_rng(0).integers(0, 256, (70, 72, 160, 3), dtype=np.uint8)
+
+
+def test_it_drives_as_the_network_says(primary, images):
+    driver = Driver(primary, brake_cut=0.5, bfloat16=False)
+    with torch.inference_mode():
+        outputs = primary(to_float(torch.from_numpy(images[:1])))
+    action, conv5 = driver.act(images[0])
+    assert (action.dtype, action.shape) == (np.float32, (2,))
+    assert action[0] == pytest.approx(outputs["steering"].item(), abs=1e-5)
+    assert action[1] == float(outputs["brake"][0].softmax(0)[1] > 0.5)
+    assert conv5.shape == (1, 8, 4, 10)
+
+
+def test_bfloat16_is_close(primary, images):
+    exact, quick = (Driver(primary, brake_cut=0.5, bfloat16=fast) for fast in (False, True))
+    for image in images[:5]:
+        assert quick.act(image)[0][0] == pytest.approx(exact.act(image)[0][0], abs=0.01)
+
+
+def test_the_brake_cut_decides(primary, images):
+    never, always = (Driver(primary, brake_cut=cut).act(images[0])[0] for cut in (1.0, 0.0))
+    assert (never[1], always[1]) == (0, 1)
+
+
+def test_the_safe_probability_is_the_second_of_the_softmax(primary, safety, images):
+    driver = Driver(primary, safety, brake_cut=0.5)
+    _, conv5 = driver.act(images[0])
+    with torch.inference_mode():
+        expected = safety(conv5).softmax(1)[0, 1].item()
+    assert driver.safe_probability(conv5) == expected
+
+
+def test_many_images_at_once_are_as_one_by_one(primary, images):
+    driver = Driver(primary, brake_cut=0.5, bfloat16=False)
+    actions, conv5 = propose(primary, images, brake_cut=0.5, bfloat16=False)
+    assert (actions.dtype, actions.shape) == (np.float32, (70, 2))
+    assert (conv5.dtype, conv5.shape) == (np.float16, (70, feature_size(4)))
+    for number in (0, 64, 69):
+        action, features = driver.act(images[number])
+        assert actions[number] == pytest.approx(action, abs=1e-5)
+        assert conv5[number] == pytest.approx(features.flatten().numpy(), rel=2e-3, abs=1e-3)
+
+
+def test_no_images_give_no_rows(primary):
+    actions, conv5 = propose(primary, np.empty((0, 72, 160, 3), np.uint8), brake_cut=0.5)
+    assert (actions.shape, conv5.shape) == ((0, 2), (0, feature_size(4)))
+
+
+def test_it_can_be_sent_to_another_process_and_is_the_same_there(primary, safety, images):
+    driver = Driver(primary, safety, brake_cut=0.5)
+    action, conv5 = driver.act(images[0])
+    sent = cloudpickle.loads(cloudpickle.dumps(driver))
+    again, conv5_again = sent.act(images[0])
+    assert np.array_equal(action, again)
+    assert sent.safe_probability(conv5_again) == driver.safe_probability(conv5)
+
+
+def test_the_drivers_networks_are_its_own(images):
+    network = PrimaryNetwork(2, generator=torch.Generator().manual_seed(0))
+    driver = Driver(network, brake_cut=0.5)
+    before, _ = driver.act(images[0])
+    with torch.no_grad():
+        network.conv1.weight.zero_()
+    assert np.array_equal(before, driver.act(images[0])[0])
+    assert network.training and network.conv1.weight.dtype == torch.float32
+
+
+def test_a_read_only_image_will_do(primary, images, recwarn):
+    image = images[0].copy()
+    image.flags.writeable = False
+    Driver(primary, brake_cut=0.5).act(image)
+    assert not recwarn
+
+
+@pytest.mark.parametrize(
+    "image", [np.zeros((160, 72, 3), np.uint8), np.zeros((72, 160, 3), np.float32)]
+)
+def test_an_image_of_another_kind_is_refused(primary, image):
+    with pytest.raises(ValueError, match=r"expected uint8 \(72, 160, 3\)"):
+        Driver(primary, brake_cut=0.5).act(image)
+
+
+def test_a_safety_policy_of_another_primary_is_refused(primary):
+    with pytest.raises(ValueError, match="safety takes 160 numbers, expected the 320"):
+        Driver(primary, SafetyNetwork(160, 8), brake_cut=0.5)
+
+
+def test_without_a_safety_policy_there_is_no_probability(primary, images):
+    driver = Driver(primary, brake_cut=0.5)
+    with pytest.raises(ValueError, match="no safety policy"):
+        driver.safe_probability(driver.act(images[0])[1])
+
+
+def test_driving_does_not_import_lerobot():
+    code = "import sys, pipeline.policies.inference; sys.exit('lerobot' in sys.modules)"
+    assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0

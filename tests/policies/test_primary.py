@@ -1,0 +1,200 @@
+"""The primary as a LeRobot policy: saved, loaded strictly, and run by LeRobot's tools."""
+
+import json
+from pathlib import Path
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+import torch
+from lerobot.policies.factory import get_policy_class, make_policy, make_pre_post_processors
+from safetensors.torch import load_file, save_file
+
+from pipeline.data.schema import CAMERA, FEATURES
+from pipeline.policies.inference import Driver
+from pipeline.policies.network import LossWeights, PrimaryNetwork
+from pipeline.policies.primary import PrimaryConfig, PrimaryPolicy
+
+torch.set_num_threads(1)
+
+FILES = {
+    "config.json",
+    "model.safetensors",
+    "policy_preprocessor.json",
+    "policy_postprocessor.json",
+}
+
+
+def make(**fields) -> PrimaryPolicy:
+    network = PrimaryNetwork(4, generator=torch.Generator().manual_seed(0))
+    return PrimaryPolicy(PrimaryConfig(channels=4, **fields), network)
+
+
+@pytest.fixture
+def saved(tmp_path: Path) -> Path:
+    make(brake_cut=0.6, loss=LossWeights(steering=7.0)).save_pretrained(tmp_path / "primary_0")
+    return tmp_path / "primary_0"
+
+
+def bytes_of(directory: Path) -> dict[str, bytes]:
+    return {path.name: path.read_bytes() for path in directory.iterdir()}
+
+
+def test_it_is_loaded_as_it_was_saved(saved, capsys):
+    policy = PrimaryPolicy.from_pretrained(saved)
+    assert policy.config == make(brake_cut=0.6, loss=LossWeights(steering=7.0)).config
+    assert not policy.training
+    for weights, again in zip(make().parameters(), policy.parameters(), strict=True):
+        assert torch.equal(weights, again)
+    assert capsys.readouterr().out == ""
+
+
+def test_the_same_policy_is_saved_as_the_same_bytes(saved, tmp_path):
+    assert set(bytes_of(saved)) == FILES
+    PrimaryPolicy.from_pretrained(saved).save_pretrained(tmp_path / "again")
+    assert bytes_of(saved) == bytes_of(tmp_path / "again")
+
+
+def test_nothing_is_looked_for_on_the_network(saved):
+    config = PrimaryPolicy.from_pretrained(saved).config
+    assert (config.device, config.push_to_hub) == ("cpu", False)
+
+
+def test_it_acts_as_the_driver_does(saved):
+    image = np.random.default_rng(0).integers(0, 256, (72, 160, 3), dtype=np.uint8)
+    policy = PrimaryPolicy.from_pretrained(saved)
+    driver = Driver.load(saved, bfloat16=False)
+    assert driver.brake_cut == 0.6
+    batch = {CAMERA: torch.from_numpy(image).permute(2, 0, 1)[None] / 255}
+    action = policy.select_action(batch)
+    assert (action.dtype, action.shape) == (torch.float32, (1, 2))
+    assert action[0].numpy() == pytest.approx(driver.act(image)[0], abs=1e-5)
+    assert torch.equal(policy.predict_action_chunk(batch), action[:, None])
+
+
+def test_steering_stays_in_its_range():
+    policy = make()
+    with torch.no_grad():
+        policy.network.outputs["steering"][-1].bias.fill_(5)
+    assert policy.select_action({CAMERA: torch.rand(1, 3, 72, 160)})[0, 0] == 1
+
+
+def test_the_affordances_are_further_targets():
+    policy = make(loss=LossWeights(steering=2.0, brake=1.0))
+    batch = {CAMERA: torch.rand(2, 3, 72, 160), "action": torch.tensor([[0.1, 0], [-0.2, 1.0]])}
+    loss, parts = policy.forward(batch)
+    assert loss.item() == pytest.approx(2 * parts["steering"] + parts["brake"], rel=1e-5)
+    loss, parts = policy.forward(batch | {"affordances": torch.zeros(2, 10)})
+    assert set(parts) == {"steering", "brake", "indicators", "distances", "positions"}
+    loss.backward()
+    assert all(weight.grad is not None for weight in policy.get_optim_params())
+
+
+def test_lerobots_tools_find_make_and_run_it(saved):
+    assert get_policy_class("safedagger_primary") is PrimaryPolicy
+    config = PrimaryConfig(channels=4, pretrained_path=saved)
+    features = {
+        name: feature | {"shape": tuple(feature["shape"])} for name, feature in FEATURES.items()
+    }
+    policy = make_policy(config, ds_meta=SimpleNamespace(features=features, stats=None))
+    assert isinstance(policy, PrimaryPolicy)
+    for path in (str(saved), None):
+        before, after = make_pre_post_processors(config, pretrained_path=path)
+        action = after(policy.select_action(before({CAMERA: torch.rand(3, 72, 160)})))
+        assert action.shape == (1, 2)
+
+
+def remove_config(directory: Path) -> None:
+    (directory / "config.json").unlink()
+
+
+def break_config(directory: Path) -> None:
+    (directory / "config.json").write_text("{\n\n")
+
+
+def another_type(directory: Path) -> None:
+    edit(directory, type="act")
+
+
+def another_width(directory: Path) -> None:
+    edit(directory, channels=8)
+
+
+def not_a_width(directory: Path) -> None:
+    edit(directory, channels="wide")
+
+
+def unknown_field(directory: Path) -> None:
+    edit(directory, colour="red")
+
+
+def bad_cut(directory: Path) -> None:
+    edit(directory, brake_cut=1.5)
+
+
+def remove_weights(directory: Path) -> None:
+    (directory / "model.safetensors").unlink()
+
+
+def truncate_weights(directory: Path) -> None:
+    path = directory / "model.safetensors"
+    path.write_bytes(path.read_bytes()[:-100])
+
+
+def drop_a_weight(directory: Path) -> None:
+    weights = load_file(directory / "model.safetensors")
+    del weights["network.conv3.bias"]
+    save_file(weights, directory / "model.safetensors")
+
+
+def add_a_weight(directory: Path) -> None:
+    weights = load_file(directory / "model.safetensors")
+    save_file(weights | {"extra": torch.zeros(1)}, directory / "model.safetensors")
+
+
+def edit(directory: Path, **fields) -> None:
+    path = directory / "config.json"
+    path.write_text(json.dumps(json.loads(path.read_text()) | fields))
+
+
+@pytest.mark.parametrize(
+    ("damage", "words"),
+    [
+        (remove_config, "config.json: No such file or directory"),
+        (break_config, "config.json: not JSON"),
+        (another_type, "the policy's type is 'act', expected 'safedagger_primary'"),
+        (another_width, r"conv1.bias is torch.float32 \[4\], expected torch.float32 \[8\]"),
+        (not_a_width, "channels"),
+        (unknown_field, "colour"),
+        (bad_cut, "brake_cut is 1.5"),
+        (remove_weights, "model.safetensors is missing, expected the weights"),
+        (truncate_weights, "model.safetensors: .* expected the weights of a policy"),
+        (drop_a_weight, "network.conv3.bias is none, expected torch.float32"),
+        (add_a_weight, "extra is torch.float32 .* expected none"),
+    ],
+)
+def test_what_does_not_fit_is_one_line(saved, damage, words):
+    damage(saved)
+    with pytest.raises(ValueError, match=words) as caught:
+        PrimaryPolicy.from_pretrained(saved)
+    assert "\n" not in str(caught.value)
+    assert str(saved) in str(caught.value)
+
+
+@pytest.mark.parametrize("damage", [another_width, not_a_width, remove_weights, remove_config])
+def test_nor_does_the_driver_take_it(saved, damage):
+    damage(saved)
+    with pytest.raises(ValueError, match="primary_0") as caught:
+        Driver.load(saved)
+    assert "\n" not in str(caught.value)
+
+
+def test_a_network_of_another_width_is_refused():
+    with pytest.raises(ValueError, match="network has 2 channels, expected 4"):
+        PrimaryPolicy(PrimaryConfig(channels=4), PrimaryNetwork(2))
+
+
+def test_other_features_are_refused():
+    config = PrimaryConfig(channels=4, input_features={})
+    with pytest.raises(ValueError, match=r"input_features is \{\}, expected \{'observation"):
+        PrimaryPolicy(config)

@@ -1,0 +1,99 @@
+"""The safety policy as a LeRobot policy, and its polarity."""
+
+from pathlib import Path
+
+import pytest
+import torch
+import torch.nn.functional as F
+from lerobot.policies.factory import get_policy_class, make_pre_post_processors
+
+from pipeline.policies.inference import Driver
+from pipeline.policies.network import PrimaryNetwork, SafetyNetwork, feature_size
+from pipeline.policies.primary import PrimaryConfig, PrimaryPolicy
+from pipeline.policies.safety import CONV5, SafetyConfig, SafetyPolicy
+
+torch.set_num_threads(1)
+
+SIZE = feature_size(2)
+
+
+def make(**fields) -> SafetyPolicy:
+    network = SafetyNetwork(SIZE, 8, generator=torch.Generator().manual_seed(0))
+    return SafetyPolicy(SafetyConfig(channels=2, hidden=8, **fields), network)
+
+
+def biased(towards_safe: float) -> SafetyPolicy:
+    policy = make()
+    with torch.no_grad():
+        policy.network.layers[-1].weight.zero_()
+        policy.network.layers[-1].bias.copy_(torch.tensor([0.0, towards_safe]))
+    return policy
+
+
+def test_one_is_safe_and_zero_is_unsafe():
+    batch = {CONV5: torch.rand(3, SIZE)}
+    assert biased(+4).safe_probability(batch[CONV5]).min() > 0.9
+    assert biased(+4).select_action(batch).tolist() == [[1.0]] * 3
+    assert biased(-4).safe_probability(batch[CONV5]).max() < 0.1
+    assert biased(-4).predict_action_chunk(batch).tolist() == [[[0.0]]] * 3
+
+
+def test_the_loss_is_equation_4():
+    policy = make()
+    conv5, safe = torch.rand(4, SIZE), torch.tensor([[1.0], [0.0], [0.0], [1.0]])
+    loss, _ = policy.forward({CONV5: conv5, "action": safe})
+    p = policy.safe_probability(conv5)
+    assert loss.item() == pytest.approx(F.binary_cross_entropy(p, safe[:, 0]).item(), rel=1e-5)
+
+
+def test_its_gradient_never_reaches_the_primary():
+    primary = PrimaryNetwork(2, generator=torch.Generator().manual_seed(0))
+    conv5 = primary.features(torch.rand(2, 3, 72, 160)).flatten(1)
+    loss, _ = make().forward({CONV5: conv5, "action": torch.ones(2, 1)})
+    loss.backward()
+    assert all(weight.grad is None for weight in primary.parameters())
+
+
+def test_it_is_loaded_as_it_was_saved_with_the_rule_of_its_labels(tmp_path: Path):
+    policy = make(tau=0.01, cut=0.4, horizon=1.0, horizon_mode="max", include_brake=True)
+    policy.save_pretrained(tmp_path / "safety_0")
+    again = SafetyPolicy.from_pretrained(tmp_path / "safety_0")
+    assert again.config == policy.config
+    for weights, loaded in zip(policy.parameters(), again.parameters(), strict=True):
+        assert torch.equal(weights, loaded)
+    again.save_pretrained(tmp_path / "again")
+    for path in (tmp_path / "safety_0").iterdir():
+        assert path.read_bytes() == (tmp_path / "again" / path.name).read_bytes()
+
+
+def test_the_driver_takes_it_with_its_primary(tmp_path: Path):
+    primary = PrimaryNetwork(2, generator=torch.Generator().manual_seed(0))
+    PrimaryPolicy(PrimaryConfig(channels=2), primary).save_pretrained(tmp_path / "primary_0")
+    biased(-4).save_pretrained(tmp_path / "safety_0")
+    driver = Driver.load(tmp_path / "primary_0", tmp_path / "safety_0")
+    assert driver.safe_probability(torch.rand(1, 4, 4, 10)) < 0.1
+
+
+def test_a_primary_is_no_safety_policy(tmp_path: Path):
+    make().save_pretrained(tmp_path)
+    with pytest.raises(ValueError, match="type is 'safedagger_safety', expected 'safedagger_prim"):
+        PrimaryPolicy.from_pretrained(tmp_path)
+
+
+def test_lerobots_tools_find_and_run_it():
+    policy = make()
+    assert get_policy_class("safedagger_safety") is SafetyPolicy
+    before, after = make_pre_post_processors(policy.config)
+    assert after(policy.select_action(before({CONV5: torch.rand(3, SIZE)}))).shape == (3, 1)
+
+
+@pytest.mark.parametrize("name", ["tau", "cut", "horizon", "balance"])
+@pytest.mark.parametrize("value", [-0.1, float("nan"), float("inf")])
+def test_numbers_out_of_range_are_refused(name, value):
+    with pytest.raises(ValueError, match=f"{name} is {value}, expected"):
+        make(**{name: value})
+
+
+def test_a_network_of_another_size_is_refused():
+    with pytest.raises(ValueError, match=r"network has \(160, 4\) inputs and hidden units"):
+        SafetyPolicy(SafetyConfig(channels=2, hidden=8), SafetyNetwork(SIZE, 4))
