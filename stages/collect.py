@@ -38,7 +38,8 @@ def collect(
     workers: options.Workers,
 ) -> None:
     """Collect a dataset with the reference policy (D_0 and D_safe, lines 1 and 2)."""
-    from pipeline.data.writing import refuse_existing, write_dataset
+    from pipeline.data.writing import write_dataset
+    from pipeline.output import refuse_existing
     from pipeline.policies.recording import SEED_STREAMS, Drive, in_order, record
     from pipeline.policies.strategies import Strategy
 

@@ -34,9 +34,12 @@ def evaluate(
     from pipeline.evaluation.outcomes import write_outcomes
     from pipeline.evaluation.summary import summarise
     from pipeline.evaluation.writing import write_metrics
+    from pipeline.output import refuse_existing
     from pipeline.policies.inference import Driver
     from pipeline.policies.recording import in_order
 
+    for path in (drives, metrics):
+        refuse_existing(path)
     driver = Driver.load(primary, safety)
     planned = list(
         plans(

@@ -21,7 +21,9 @@ def ledger(
     """Count an iteration's queries from the columns of its datasets."""
     from pipeline.data.ledger import count
     from pipeline.evaluation.writing import write_metrics
+    from pipeline.output import refuse_existing
 
+    refuse_existing(metrics)
     counted = count(raw, aggregate)
     write_metrics(metrics, counted.to_dict())
     typer.echo(f"{metrics}: {options.figures(counted.to_dict())}")

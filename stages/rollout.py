@@ -49,6 +49,7 @@ def rollout(
     from pipeline.policies.strategies import Strategy
 
     refuse_existing(output)
+    refuse_existing(metrics)
     driver = Driver.load(primary, safety)
     names = options.track_names(tracks)
 

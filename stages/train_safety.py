@@ -51,10 +51,11 @@ def train_safety(
     from pipeline.learning.settings import SafetySettings
     from pipeline.learning.training import safe_probabilities
     from pipeline.learning.training import train_safety as train
-    from pipeline.output import new_directory
+    from pipeline.output import new_directory, refuse_existing
     from pipeline.policies.inference import load_primary
     from pipeline.policies.safety import SafetyConfig, SafetyPolicy
 
+    refuse_existing(metrics)
     settings = SafetySettings(
         optimizer=optimizer.value,
         learning_rate=learning_rate,

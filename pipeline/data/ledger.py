@@ -1,7 +1,7 @@
 """What an iteration cost: frames driven, queries, and frames trained on, side by side.
 
-Everything is counted from columns. In the shapes, N is the number of rows of a dataset, and k the
-control frames that a row stands for.
+Everything is counted from columns. A frame is a row: whoever drives is asked once in each, and its
+action is held for the control steps that the row stands for.
 """
 
 from collections.abc import Sequence
@@ -10,7 +10,7 @@ from pathlib import Path
 
 import numpy as np
 
-from pipeline.data.reading import check_dataset, read_columns
+from pipeline.data.reading import read_columns
 
 _SOURCE = ("source.iteration", "source.episode", "source.frame")
 
@@ -20,13 +20,13 @@ class Ledger:
     """The counts of one iteration, or of several (see `cumulative`)."""
 
     frames_driven: int
-    """Control frames driven."""
+    """Frames driven."""
     queries: int
-    """Control frames for which the reference was asked for an action to drive or to train with."""
+    """Frames for which the reference was asked for an action to drive or to train with."""
     frames_selected: int
-    """Rows driven that the aggregate has taken in."""
+    """Frames driven that the aggregate has taken in."""
     frames_trained: int
-    """Rows of the aggregate."""
+    """Frames of the aggregate."""
     takeover: float
     """Share of the driven frames in which the reference drove, [0, 1]."""
 
@@ -35,48 +35,27 @@ class Ledger:
         return asdict(self)
 
 
-def row_queries(intervention: np.ndarray, queried: np.ndarray, record_every: int) -> np.ndarray:
-    """Queries that each row cost.
-
-    Where the reference drove it was asked in each of the row's `record_every` control frames;
-    where it only labelled, once.
-
-    Args:
-        intervention: bool [N], the reference drove.
-        queried: bool [N], the reference was asked.
-        record_every: k.
-
-    Returns:
-        int64 [N].
-    """
-    return np.where(intervention, record_every, np.where(queried, 1, 0)).astype(np.int64)
-
-
-def count(raw: Path | None, aggregate: Path) -> Ledger:
+def count(raw: Path, aggregate: Path) -> Ledger:
     """Count one iteration.
 
     Args:
-        raw: every row driven in the iteration, before selection. None in iteration 0, where all
-            that was driven is the aggregate itself: the reference's own driving. The paper leaves
-            that out of the loop's queries, so keep it out of `cumulative`, and report it apart.
+        raw: every frame driven in the iteration, before selection. In iteration 0 that is the
+            aggregate itself: the reference's own driving. The paper leaves that out of the loop's
+            queries, so keep it out of `cumulative`, and report it apart.
         aggregate: D_i, what the iteration trains on.
 
     Raises:
         FileNotFoundError, ValueError: as `check_dataset`.
     """
-    driven_path = aggregate if raw is None else raw
-    record_every = check_dataset(driven_path)
-    driven = read_columns(driven_path, ["intervention", "queried", *_SOURCE])
+    driven = read_columns(raw, ["intervention", "queried", *_SOURCE])
     trained = read_columns(aggregate, _SOURCE)
-    intervention = driven["intervention"][:, 0]
     kept = set(_identity(trained))
-    queries = row_queries(intervention, driven["queried"][:, 0], record_every)
     return Ledger(
-        frames_driven=record_every * len(intervention),
-        queries=int(queries.sum()),
+        frames_driven=len(driven["queried"]),
+        queries=int(driven["queried"].sum()),
         frames_selected=sum(row in kept for row in _identity(driven)),
         frames_trained=len(trained["frame_index"]),
-        takeover=float(intervention.mean()),
+        takeover=float(driven["intervention"].mean()),
     )
 
 

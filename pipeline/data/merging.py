@@ -9,7 +9,8 @@ from pathlib import Path
 from pipeline.data.canonical import canonicalise
 from pipeline.data.reading import check_dataset
 from pipeline.data.schema import CONTROL_HZ
-from pipeline.data.writing import Summary, new_dataset, refuse_existing, summarise
+from pipeline.data.writing import Summary, new_dataset, summarise
+from pipeline.output import refuse_existing
 
 
 def merge(paths: Sequence[Path], output: Path) -> Summary:

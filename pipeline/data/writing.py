@@ -1,18 +1,16 @@
 """Writing datasets with LeRobot: complete or not at all; equal episodes give equal bytes."""
 
 import contextlib
-import shutil
 import sys
-import tempfile
 import warnings
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
 from pipeline.data.canonical import canonicalise
-from pipeline.data.ledger import row_queries
-from pipeline.data.reading import check_dataset, read_columns
+from pipeline.data.reading import read_columns
 from pipeline.data.schema import FEATURES, ROBOT_TYPE, Episode, check_record_every
+from pipeline.output import new_directory
 
 
 @dataclass(frozen=True)
@@ -24,7 +22,11 @@ class Summary:
     frames: int
     """Rows."""
     queries: int
-    """Control frames for which the reference was asked; see `ledger.row_queries`."""
+    """Frames for which the reference was asked."""
+
+    def __str__(self) -> str:
+        counts = f"{self.episodes} episodes, {self.frames} frames, {self.queries} queries"
+        return f"{self.path}: {counts}"
 
 
 def write_dataset(path: Path, episodes: Iterable[Episode], *, record_every: int) -> Summary:
@@ -50,28 +52,14 @@ def write_dataset(path: Path, episodes: Iterable[Episode], *, record_every: int)
 def new_dataset(path: Path) -> Iterator[Path]:
     """A path to build a dataset at, which becomes `path` where the block ends well.
 
-    Whatever is left where it does not, KeyboardInterrupt included, is removed, and so is the cache
-    that `datasets` fills, which would otherwise stay in the user's home.
+    Whatever is left where it does not is removed, and so is the cache that `datasets` fills, which
+    would otherwise stay in the user's home.
 
     Raises:
         FileExistsError: `path` exists; before the block is entered.
     """
-    refuse_existing(path)
-    path.parent.mkdir(parents=True, exist_ok=True)
-    # a sibling, so that the last step is a rename within one file system
-    scratch = Path(tempfile.mkdtemp(prefix=f".{path.name}.", dir=path.parent))
-    try:
-        with _quiet_datasets(scratch / "cache"):
-            yield scratch / "dataset"
-        (scratch / "dataset").rename(path)
-    finally:
-        shutil.rmtree(scratch, ignore_errors=True)
-
-
-def refuse_existing(path: Path) -> None:
-    """Raise FileExistsError if there is anything at `path`."""
-    if path.exists() or path.is_symlink():
-        raise FileExistsError(f"{path}: exists already, expected a new path")
+    with new_directory(path) as root, _quiet_datasets(root.parent / "cache"):
+        yield root
 
 
 def summarise(path: Path) -> Summary:
@@ -80,11 +68,9 @@ def summarise(path: Path) -> Summary:
     Raises:
         FileNotFoundError, ValueError: as `check_dataset`.
     """
-    record_every = check_dataset(path)
-    columns = read_columns(path, ["intervention", "queried"])
-    queries = row_queries(columns["intervention"], columns["queried"], record_every)
+    columns = read_columns(path, ["queried"])
     index = columns["episode_index"]
-    return Summary(path, int(index[-1]) + 1, len(index), int(queries.sum()))
+    return Summary(path, int(index[-1]) + 1, len(index), int(columns["queried"].sum()))
 
 
 def _record(root: Path, episodes: Iterable[Episode], fps: int) -> None:

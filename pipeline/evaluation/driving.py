@@ -76,7 +76,7 @@ def evaluate(plan: Drive, start: int, driver: Driver) -> Outcome:
         return Outcome(
             track=plan.track,
             traffic=plan.traffic,
-            strategy=str(plan.strategy),
+            strategy=plan.strategy,
             start=start,
             laps=min(max(world.laps, 0.0), plan.laps),
             damage=world.damage,

@@ -72,10 +72,12 @@ def test_it_ends_with_the_laps(world: World) -> None:
     assert len(frames) < 60 * CONTROL_HZ / 3
 
 
-def test_it_ends_off_the_road(world: World) -> None:
-    world.cars = cars_at(world.track, [0.0], [0], offset=5.0)
-    assert len(list(by_reference(world))) == 1
-    assert world.off_road
+def test_it_ends_off_the_road() -> None:
+    track = make_track("willow")
+    with World(track, 0, (0.0, 0.0), np.random.default_rng(0)) as world:
+        world.cars = cars_at(track, [0.0], [0], offset=5.0)
+        assert len(list(by_reference(world))) == 1
+        assert world.off_road
 
 
 def test_it_ends_where_the_car_stands_still() -> None:
