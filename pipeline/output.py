@@ -9,7 +9,8 @@ from pathlib import Path
 
 @contextmanager
 def new_directory(path: Path) -> Iterator[Path]:
-    """A free path in a scratch folder beside `path`; what the block puts there becomes `path` if it ends well.
+    """A free path in a scratch folder beside `path`; what the block puts there becomes `path` if it
+    ends well.
 
     Raises:
         FileExistsError: there is something at `path`, before the block is entered.

@@ -2,10 +2,9 @@
 
 import os
 
-for variable in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
-    os.environ.setdefault(variable, "1")  # read once, when NumPy and PyTorch are imported
-
 from hypothesis import settings
 
+for variable in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
+    os.environ.setdefault(variable, "1")  # read once, when NumPy and PyTorch are imported
 settings.register_profile("suite", deadline=None, max_examples=50)
 settings.load_profile("suite")

@@ -1,4 +1,6 @@
-"""Evaluation drives (Sec. 4.4): up to some laps on each track, naive and safe, without and with traffic."""
+"""Evaluation drives (Sec. 4.4): up to some laps on each track, naive and safe, without and with
+traffic.
+"""
 
 from __future__ import annotations
 
@@ -26,7 +28,8 @@ def plans(
     seconds: float,
     seed: int,
 ) -> Iterator[tuple[Drive, int]]:
-    """Every drive of an evaluation, with the number of its start: strategies x conditions x tracks x starts.
+    """Every drive of an evaluation, with the number of its start: strategies x conditions x tracks
+    x starts.
 
     Every policy meets the same starts and the same traffic.
     """

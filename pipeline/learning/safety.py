@@ -1,4 +1,6 @@
-"""What a safety policy learns from, and how well it did: frames judged by where its primary deviates."""
+"""What a safety policy learns from, and how well it did: frames judged by where its primary
+deviates.
+"""
 
 from __future__ import annotations
 
@@ -43,7 +45,8 @@ def judge(primary: PrimaryNetwork, dataset: Path, include_brake: bool) -> Judged
     """Run a primary over a dataset whose every frame carries the reference's action.
 
     Raises:
-        FileNotFoundError, ValueError: no such dataset, or frames in it that the reference was not asked about.
+        FileNotFoundError, ValueError: no such dataset, or frames in it that the reference was not
+        asked about.
     """
     columns = read_columns(dataset, ["action", "queried"])
     if not columns["queried"].all():
@@ -63,7 +66,7 @@ def held_out_episodes(judged: Judged, share: float, rng: np.random.Generator) ->
         ValueError: the share leaves no episodes on either side.
     """
     episodes = np.unique(judged.episode_index)
-    count = int(round(share * len(episodes)))
+    count = round(share * len(episodes))
     if not 0 < count < len(episodes):
         raise ValueError(
             f"held-out share {share} of {len(episodes)} episodes, expected some on both sides"

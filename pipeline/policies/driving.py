@@ -37,7 +37,9 @@ class Frame:
 
     @property
     def squared_error(self) -> float:
-        """The deviation epsilon of Sec. 3.1: squared difference of the two steerings; NaN without a primary."""
+        """The deviation epsilon of Sec. 3.1: squared difference of the two steerings; NaN without a
+        primary.
+        """
         return float(self.primary_action[0] - self.reference_action[0]) ** 2
 
 
@@ -53,13 +55,13 @@ def drive(
 ) -> Iterator[Frame]:
     """Drive until the road is left, `laps` are done, `seconds` have passed or the car stands still.
 
-    Whoever drives is asked once a frame, and its action is held for the `record_every` control steps of the frame.
+    Whoever drives is asked once a frame, and its action is held for the `record_every` control
+    steps of the frame.
     """
     standing = 0.0
     for _ in range(int(seconds * CONTROL_HZ / record_every)):
         image = world.image()
-        primary_action, conv5 = driver.act(image) if driver else (NO_ACTION, None)
-        safe_probability = driver.safe_probability(conv5) if driver and driver.safety else np.nan
+        primary_action, safe_probability = _consult(driver, image)
         intervention = reference_drives(strategy, safe_probability, cut)
         actions = reference_actions(world.cars, world.track)
         frame = Frame(
@@ -79,3 +81,11 @@ def drive(
         standing = standing + record_every / CONTROL_HZ if world.cars.speed[0] < 0.5 else 0.0
         if world.off_road or world.laps >= laps or standing >= STANDSTILL:
             return
+
+
+def _consult(driver: Driver | None, image: NDArray[np.uint8]) -> tuple[NDArray[np.float32], float]:
+    """The primary's action and its safe probability, NaN where there is no such policy."""
+    if driver is None:
+        return NO_ACTION, np.nan
+    action, conv5 = driver.act(image)
+    return action, driver.safe_probability(conv5) if driver.safety else np.nan

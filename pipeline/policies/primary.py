@@ -141,7 +141,7 @@ class PrimaryConfig(OfflineConfig):
     loss: LossWeights = field(default_factory=LossWeights)
 
     device: str | None = "cpu"
-    push_to_hub: bool = False  # type: ignore[assignment]
+    push_to_hub: bool = False
     input_features: dict[str, PolicyFeature] | None = field(
         default_factory=lambda: {CAMERA: PolicyFeature(FeatureType.VISUAL, _CHANNELS_FIRST)}
     )

@@ -19,12 +19,15 @@ from pipeline.world.traffic import check_room
 from pipeline.world.world import World
 
 SEED_STREAMS = {"D_0": 0, "D_safe": 1, "rollout": 100, "evaluation": 1000}
-"""The second number of every drive's seed: no two collections of an experiment meet the same random numbers."""
+"""The second number of every drive's seed: no two collections of an experiment meet the same random
+numbers.
+"""
 
 
 @dataclass(frozen=True)
 class Drive:
-    """What is to be driven, and how. Every drive has a random generator of its own, so their order does not matter.
+    """What is to be driven, and how. Every drive has a random generator of its own, so their order
+    does not matter.
 
     Raises:
         ValueError: unknown track, no room on it for so much traffic, or a number out of its range.
@@ -51,9 +54,10 @@ class Drive:
     def __post_init__(self) -> None:
         check_room(make_track(self.track), self.traffic)
         check_record_every(self.record_every)
-        for name in ("seconds", "laps"):
-            if not getattr(self, name) > 0:
-                raise ValueError(f"{name} is {getattr(self, name)}, expected a number above 0")
+        if not 0 < self.seconds < np.inf:
+            raise ValueError(f"seconds is {self.seconds}, expected a number above 0")
+        if not self.laps > 0:
+            raise ValueError(f"laps is {self.laps}, expected a number above 0")
         for spread in self.spread:
             if not 0 <= spread < np.inf:
                 raise ValueError(f"spread is {spread}, expected a number of at least 0")
@@ -70,7 +74,8 @@ class Recording:
 
     episode: Episode
     squared_errors: NDArray[np.float64]
-    """[T] deviation of the primary from the reference at every frame, also where the reference was not asked: to measure
+    """[T] deviation of the primary from the reference at every frame, also where the reference was
+    not asked: to measure
     with, never to train or to select on; NaN without a primary"""
 
     @property
@@ -102,7 +107,9 @@ def record(plan: Drive, driver: Driver | None, iteration: int, number: int) -> R
 def in_order[Result](
     job: Callable[..., Result], arguments: Iterable[tuple], workers: int
 ) -> Iterator[Result]:
-    """Run `job(*arguments)` in `workers` processes; the results come in the order of the arguments, as they are ready."""
+    """Run `job(*arguments)` in `workers` processes; the results come in the order of the arguments,
+    as they are ready.
+    """
     pool = Parallel(n_jobs=workers, return_as="generator", batch_size=1, pre_dispatch="2 * n_jobs")
     return pool(delayed(_on_one_thread)(job, each) for each in arguments)
 
@@ -116,7 +123,9 @@ def _on_one_thread[Result](job: Callable[..., Result], arguments: tuple) -> Resu
 def until_queries(
     recordings: Iterable[Recording], queries: int, frames: int
 ) -> Iterator[Recording]:
-    """Recordings until the reference was asked `queries` times or `frames` were driven; the last one is cut short."""
+    """Recordings until the reference was asked `queries` times or `frames` were driven; the last
+    one is cut short.
+    """
     asked = driven = 0
     for recording in recordings:
         paid = asked + np.cumsum(recording.episode.columns["queried"][:, 0])

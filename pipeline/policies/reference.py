@@ -1,8 +1,9 @@
 """The reference policy: a rule-based driver that sees the true state.
 
-It follows its lane up to the speed limit, changes lane for a car ahead where there is room, else brakes (Sec. 4.1). It is a
-pure function of the state, so that a label can be replayed, and its rules rest on what one camera frame can show: gaps ahead,
-never speeds. Only the look over the shoulder does not.
+It follows its lane up to the speed limit, changes lane for a car ahead where there is room, else
+brakes (Sec. 4.1). It is a pure function of the state, so that a label can be replayed, and its rules
+rest on what one camera frame can show: gaps ahead, never speeds. Only the look over the shoulder
+does not.
 """
 
 from __future__ import annotations
@@ -17,11 +18,11 @@ from pipeline.world.traffic import SENSOR_RANGE, along_road, gap_ahead, reaches
 LOOK_AHEAD = 10.0  # [m] to the point that the wheels are aimed at
 PULL = 0.8  # [m] the farthest that this point may lie beside the car's own line: keeps returns and lane changes gentle
 CHANGE_GAP = 42.0  # [m] a car ahead nearer than this starts to pull towards a free lane ...
-CHANGE_FADE = 12.0  # [m] ... and pulls in full when it is this much nearer still: no jump in the label
+CHANGE_FADE = 12.0  # [m] ... and in full when it is this much nearer still: no jump in the label
 ADVANTAGE = 12.0  # [m] that the next lane must be freer than this one
-REAR_GAP, REAR_TIME = 8.0, 1.5  # [m], [s]: room to leave to a car behind in the next lane, the more the faster it comes
+REAR_GAP, REAR_TIME = 8.0, 1.5  # [m], [s] for a car behind in the next lane: more if it is faster
 BRAKE_TIME = 1.0  # [s] brake when the car in our path is nearer than this at our limit (20 m): enough to stop
-CLOSE = 7.0  # [m] nearer than this a car that we still overlap is in our path, wherever we are heading
+CLOSE = 7.0  # [m] nearer than this a car that we overlap is in our path, wherever we are heading
 PATH_MARGIN = 0.35  # [m] beside the car that still counts as its path
 
 
@@ -64,7 +65,11 @@ def _room(
     there = reaches(cars.d, centre)
     free = gap_ahead(along, there)
     closing = np.maximum(cars.speed[None, :] - cars.speed[:, None], 0.0)
-    taken = (there | reaches(heading_for, centre)) & (along < LENGTH + 2.0) & (along > -(LENGTH + REAR_GAP + REAR_TIME * closing))
+    taken = (
+        (there | reaches(heading_for, centre))
+        & (along < LENGTH + 2.0)
+        & (along > -(LENGTH + REAR_GAP + REAR_TIME * closing))
+    )
     better = free > np.minimum(here + ADVANTAGE, SENSOR_RANGE - 1.0)
     return np.where(exists & better & ~np.any(taken, axis=1), free, 0.0)
 

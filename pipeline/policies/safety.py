@@ -49,7 +49,7 @@ class SafetyConfig(OfflineConfig):
     """[0, 1], class weights in its training: 0 none, 1 balanced."""
 
     device: str | None = "cpu"
-    push_to_hub: bool = False  # type: ignore[assignment]
+    push_to_hub: bool = False
     input_features: dict[str, PolicyFeature] | None = None
     output_features: dict[str, PolicyFeature] | None = field(
         default_factory=lambda: {ACTION: PolicyFeature(FeatureType.ACTION, (1,))}

@@ -17,5 +17,7 @@ class Strategy(StrEnum):
 
 
 def reference_drives(strategy: Strategy, safe_probability: float, cut: float) -> bool:
-    """Whether the reference drives; `safe_probability` is pi_safe's, below `cut` the state counts as unsafe."""
+    """Whether the reference drives; `safe_probability` is pi_safe's, below `cut` the state counts
+    as unsafe.
+    """
     return strategy is Strategy.REFERENCE or (strategy is Strategy.SAFE and safe_probability < cut)

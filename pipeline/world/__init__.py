@@ -1,1 +1,3 @@
-"""The driving world: tracks, cars, the PyBullet scene and its camera, and the Gymnasium environment."""
+"""The driving world: tracks, cars, the PyBullet scene and its camera, and the Gymnasium
+environment.
+"""

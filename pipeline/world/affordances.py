@@ -15,15 +15,18 @@ FULL_ANGLE = 0.5  # [rad] between car and lane that reads 1.0
 def affordances(cars: Cars, track: Track) -> NDArray[np.float32]:
     """[10], in the order of Appendix A.
 
-    Lane to the left, lane to the right, car in front in the left, same and right lane: 0 or 1. Distance to each of these cars:
-    [m] bumper to bumper, 0 to SENSOR_RANGE, which it reads where there is none. Position in the lane: -1 (right line) to 1 (left
-    line). Angle to the lane: -1 to 1, where 1 is FULL_ANGLE to the left.
+    Lane to the left, lane to the right, car in front in the left, same and right lane: 0 or 1.
+    Distance to each of these cars: [m] bumper to bumper, 0 to SENSOR_RANGE, which it reads where
+    there is none. Position in the lane: -1 (right line) to 1 (left line). Angle to the lane: -1 to
+    1, where 1 is FULL_ANGLE to the left.
     """
     lane = int(track.lane_of(cars.d[:1])[0])
     lanes = [lane - 1, lane, lane + 1]
     along = along_road(cars, track)[:1]
     gaps = [
-        gap_ahead(along, reaches(cars.d, track.lane_centres[i : i + 1]))[0] if 0 <= i < track.lanes else SENSOR_RANGE
+        gap_ahead(along, reaches(cars.d, track.lane_centres[i : i + 1]))[0]
+        if 0 <= i < track.lanes
+        else SENSOR_RANGE
         for i in lanes
     ]
     position = (cars.d[0] - track.lane_centres[lane]) / (0.5 * LANE_WIDTH)

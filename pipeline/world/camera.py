@@ -37,7 +37,11 @@ def render(scene: Scene, x: float, y: float, heading: float) -> NDArray[np.uint8
         renderer=pybullet.ER_TINY_RENDERER,
         physicsClientId=scene.client,
     )
-    pixels = np.frombuffer(bytearray(rgba), np.uint8) if isinstance(rgba, tuple) else np.asarray(rgba, np.uint8)
+    pixels = (
+        np.frombuffer(bytearray(rgba), np.uint8)
+        if isinstance(rgba, tuple)
+        else np.asarray(rgba, np.uint8)
+    )
     image = pixels.reshape(HEIGHT, WIDTH, 4)
     empty = image.view(np.uint32) == WHITE
     return np.where(empty, _sky(scene.track.look.sky), image[..., :3])

@@ -15,8 +15,8 @@ LENGTH, WIDTH, HEIGHT = 4.4, 1.8, 1.4  # [m] of every car
 WHEELBASE = 2.7  # [m]
 LOCK = 0.20  # [rad] of the front wheels at steering 1.0: with it tau = 0.0025 is a wheel angle of 0.01 rad
 STEERING_LAG = 0.10  # [s] time constant between the steering command and the wheels
-THROTTLE_GAIN, THROTTLE_MAX = 0.6, 3.0  # [1/s], [m/s^2]: the governor closes in on the speed limit
-BRAKE_GAIN, BRAKE_FLOOR = 0.35, 6.0  # [1/s], [m/s^2]: braking grows with speed, so that queues settle
+THROTTLE_GAIN, THROTTLE_MAX = 1.0, 5.0  # [1/s], [m/s^2]: the governor closes in on the speed limit
+BRAKE_GAIN, BRAKE_FLOOR = 0.35, 8.0  # [1/s], [m/s^2]: grows with speed, so that queues settle
 
 
 @dataclass
@@ -45,7 +45,10 @@ class Cars:
 
     def angle(self, track: Track) -> NDArray[np.float64]:
         """[N] (rad) between each car's heading and its lane's, in [-pi, pi); left is positive."""
-        return np.remainder(self.heading - track.centreline.heading_at(self.s) + np.pi, 2 * np.pi) - np.pi
+        return (
+            np.remainder(self.heading - track.centreline.heading_at(self.s) + np.pi, 2 * np.pi)
+            - np.pi
+        )
 
 
 def place(
@@ -64,8 +67,9 @@ def place(
 def move(cars: Cars, actions: NDArray[np.floating], track: Track) -> None:
     """Advance every car by one control step of DT, in place.
 
-    `actions` is [N, 2]: steering in [-1, 1] (1 is LOCK to the left) and brake (on above 0.5). The bicycle model refers to the
-    car's centre, the wheels follow their command with a lag, and a governor does the throttle.
+    `actions` is [N, 2]: steering in [-1, 1] (1 is LOCK to the left) and brake (on above 0.5). The
+    bicycle model refers to the car's centre, the wheels follow their command with a lag, and a
+    governor does the throttle.
     """
     command = np.clip(actions[:, 0], -1.0, 1.0) * LOCK
     cars.wheel += (command - cars.wheel) * (1.0 - np.exp(-DT / STEERING_LAG))

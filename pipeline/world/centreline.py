@@ -1,6 +1,7 @@
 """Closed centrelines: curvilinear coordinates (s, d) along a smooth loop.
 
-`s` is the arc length [m] from the start line, `d` the signed distance [m] from the centreline, left is positive.
+`s` is the arc length [m] from the start line, `d` the signed distance [m] from the centreline, left
+is positive.
 """
 
 from __future__ import annotations
@@ -73,8 +74,9 @@ class Centreline:
 def random_centreline(rng: np.random.Generator, tightest: float, clockwise: bool) -> Centreline:
     """Draw a closed loop whose tightest bend has the radius `tightest` [m].
 
-    The curvature is a random Fourier series over the lap, so it is smooth, and its mean closes the heading. A loop is drawn
-    again until the lap has a length within `LENGTHS`, bends both ways, and no stretch comes near another.
+    The curvature is a random Fourier series over the lap, so it is smooth, and its mean closes the
+    heading. A loop is drawn again until the lap has a length within `LENGTHS`, bends both ways, and
+    no stretch comes near another.
     """
     while True:
         bend = _random_bend(rng)
@@ -87,7 +89,9 @@ def random_centreline(rng: np.random.Generator, tightest: float, clockwise: bool
 
 
 def _random_bend(rng: np.random.Generator) -> NDArray[np.float64]:
-    """Curvature times length, [P], of a closed loop: harmonics 2-6 are drawn, harmonic 1 closes the curve."""
+    """Curvature times length, [P], of a closed loop: harmonics 2-6 are drawn, harmonic 1 closes the
+    curve.
+    """
     lap = np.arange(POINTS) * 2 * np.pi / POINTS
     order = np.arange(2, 7)[:, None]
     amplitude = rng.uniform(0.1, 0.9, (5, 1))

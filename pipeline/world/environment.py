@@ -8,7 +8,7 @@ Importing this module registers it:
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any
+from typing import Any, cast
 
 import gymnasium
 import numpy as np
@@ -72,9 +72,9 @@ class DrivingEnv(gymnasium.Env[NDArray[np.uint8], Actions]):
         self._track = make_track(track)
         check_room(self._track, traffic)
         self._traffic = traffic
-        self._driver: TrafficDriver = (
-            load_env_creator(traffic_driver) if isinstance(traffic_driver, str) else traffic_driver
-        )
+        if isinstance(traffic_driver, str):
+            traffic_driver = cast(TrafficDriver, load_env_creator(traffic_driver))
+        self._driver = traffic_driver
         self._spread = spread
         self._laps = laps
         self._max_steps = round(max_seconds * CONTROL_HZ)
@@ -93,9 +93,7 @@ class DrivingEnv(gymnasium.Env[NDArray[np.uint8], Actions]):
         self._steps, self._failed = 0, False
         return self.world.image(), self._info(self.world)
 
-    def step(
-        self, action: Actions
-    ) -> tuple[NDArray[np.uint8], float, bool, bool, dict[str, Any]]:
+    def step(self, action: Actions) -> tuple[NDArray[np.uint8], float, bool, bool, dict[str, Any]]:
         """Advance by one control step."""
         world = self._started()
         actions = self._driver(world.cars, world.track)
@@ -108,7 +106,7 @@ class DrivingEnv(gymnasium.Env[NDArray[np.uint8], Actions]):
         truncated = world.laps >= self._laps or self._steps >= self._max_steps
         return world.image(), reward, world.off_road, truncated, self._info(world)
 
-    def render(self) -> NDArray[np.uint8] | None:  # type: ignore[override]
+    def render(self) -> NDArray[np.uint8] | None:
         """What the camera sees, uint8 [72, 160, 3], in render mode "rgb_array"."""
         return self._started().image() if self.render_mode == "rgb_array" else None
 

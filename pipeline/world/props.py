@@ -17,16 +17,31 @@ Colour = tuple[float, float, float, float]
 
 
 def scatter(track: Track, rng: np.random.Generator) -> Iterator[tuple[Mesh, Colour]]:
-    """The meshes (vertices [V, 3] in m, triangle indices) and colours of a track's props, one mesh a colour."""
+    """The meshes (vertices [V, 3] in m, triangle indices) and colours of a track's props, one mesh
+    a colour.
+    """
     places = _places(track, rng)
     if track.look.props == "trees":
         sizes = rng.uniform(0.8, 1.5, len(places))
-        yield _merged(_cone(x, y, 1.2 * k, 6.0 * k, 1.2) for (x, y), k in zip(places, sizes, strict=True)), (0.13, 0.30, 0.14, 1)
+        yield (
+            _merged(
+                _cone(x, y, 1.2 * k, 6.0 * k, 1.2) for (x, y), k in zip(places, sizes, strict=True)
+            ),
+            (0.13, 0.30, 0.14, 1),
+        )
         yield _merged(_box(x, y, 0.3, 0.3, 1.4) for x, y in places), (0.32, 0.22, 0.14, 1)
     elif track.look.props == "houses":
         sizes = rng.uniform(3.0, 6.0, (len(places), 2))
-        yield _merged(_box(x, y, *k, 4.5) for (x, y), k in zip(places, sizes, strict=True)), (0.66, 0.56, 0.48, 1)
-        yield _merged(_cone(x, y, max(k) * 1.1, 2.6, 4.5) for (x, y), k in zip(places, sizes, strict=True)), (0.45, 0.20, 0.16, 1)
+        yield (
+            _merged(_box(x, y, a, b, 4.5) for (x, y), (a, b) in zip(places, sizes, strict=True)),
+            (0.66, 0.56, 0.48, 1),
+        )
+        yield (
+            _merged(
+                _cone(x, y, max(k) * 1.1, 2.6, 4.5) for (x, y), k in zip(places, sizes, strict=True)
+            ),
+            (0.45, 0.20, 0.16, 1),
+        )
     else:
         yield _merged(_box(x, y, 0.25, 0.25, 1.1) for x, y in places), (0.85, 0.85, 0.85, 1)
 
@@ -54,7 +69,9 @@ def _box(x: float, y: float, half_x: float, half_y: float, height: float) -> Mes
 
 def _cone(x: float, y: float, radius: float, height: float, base: float, sides: int = 6) -> Mesh:
     turn = np.arange(sides) * 2 * np.pi / sides
-    rim = np.stack([x + radius * np.cos(turn), y + radius * np.sin(turn), np.full(sides, base)], axis=1)
+    rim = np.stack(
+        [x + radius * np.cos(turn), y + radius * np.sin(turn), np.full(sides, base)], axis=1
+    )
     vertices = np.concatenate([rim, [[x, y, base + height]]])
     return vertices, [i for k in range(sides) for i in (k, (k + 1) % sides, sides)]
 

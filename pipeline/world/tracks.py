@@ -1,9 +1,12 @@
-"""The ten tracks of the experiment, and the family that they and every `random:<seed>` track are drawn from."""
+"""The ten tracks of the experiment, and the family that they and every `random:<seed>` track are
+drawn from.
+"""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -64,13 +67,15 @@ class Track:
 
     @property
     def half_width(self) -> float:
-        """[m] from the centreline to the end of the asphalt: a car whose centre is beyond has left the road."""
+        """[m] from the centreline to the end of the asphalt: a car whose centre is beyond has left
+        the road.
+        """
         return self.lanes * LANE_WIDTH / 2 + SHOULDER
 
     @cached_property
     def lane_centres(self) -> NDArray[np.float64]:
         """[lanes] (m) lateral position of each lane's middle, left (positive) first."""
-        return ((self.lanes - 1) / 2 - np.arange(self.lanes)) * LANE_WIDTH
+        return ((self.lanes - 1) / 2 - np.arange(self.lanes, dtype=np.float64)) * LANE_WIDTH
 
     def lane_of(self, d: NDArray[np.float64]) -> NDArray[np.int64]:
         """The lane nearest to the lateral position `d` [m]."""
@@ -107,7 +112,8 @@ TEST = {
 
 @lru_cache(maxsize=32)
 def make_track(name: str) -> Track:
-    """Build a track by its name: one of TRAINING or TEST, or `random:<seed>`, any other member of the family.
+    """Build a track by its name: one of TRAINING or TEST, or `random:<seed>`, any other member of
+    the family.
 
     Raises:
         ValueError: no such track.
@@ -116,7 +122,9 @@ def make_track(name: str) -> Track:
         return _build(name, _random_design(int(name[len(RANDOM_PREFIX) :])))
     designs = TRAINING | TEST
     if name not in designs:
-        raise ValueError(f"track {name!r}: expected one of {', '.join(designs)} or {RANDOM_PREFIX}<seed>")
+        raise ValueError(
+            f"track {name!r}: expected one of {', '.join(designs)} or {RANDOM_PREFIX}<seed>"
+        )
     return _build(name, designs[name])
 
 
@@ -131,7 +139,7 @@ def _random_design(seed: int) -> Design:
     rng = np.random.default_rng([seed, 1])
     looks = [design.look for design in TRAINING.values()]
 
-    def pick(field: str):
+    def pick(field: str) -> Any:
         return getattr(looks[rng.integers(len(looks))], field)
 
     look = Look(

@@ -16,7 +16,9 @@ LANE_MARGIN = 0.4  # [m] that a car may reach over a line before it counts as in
 
 
 def along_road(cars: Cars, track: Track) -> NDArray[np.float64]:
-    """[N, N] (m) along the road from car i's centre to car j's, within half a lap; a car is infinitely far from itself."""
+    """[N, N] (m) along the road from car i's centre to car j's, within half a lap; a car is
+    infinitely far from itself.
+    """
     along = cars.s[None, :] - cars.s[:, None]
     along = np.remainder(along + track.length / 2, track.length) - track.length / 2
     np.fill_diagonal(along, np.inf)
@@ -24,13 +26,17 @@ def along_road(cars: Cars, track: Track) -> NDArray[np.float64]:
 
 
 def gap_ahead(along: NDArray[np.float64], relevant: NDArray[np.bool_]) -> NDArray[np.float64]:
-    """[N] (m) bumper to bumper to the nearest `relevant` [N, N] car in front, from 0 to SENSOR_RANGE."""
+    """[N] (m) bumper to bumper to the nearest `relevant` [N, N] car in front, from 0 to
+    SENSOR_RANGE.
+    """
     gaps = np.where(relevant & (along > 0), along - LENGTH, np.inf)
     return np.clip(np.min(gaps, axis=1), 0.0, SENSOR_RANGE)
 
 
 def reaches(d: NDArray[np.float64], centre: NDArray[np.float64]) -> NDArray[np.bool_]:
-    """[N, M]: whether car j at lateral position `d` [M] (m) reaches into the lane around `centre` [N] (m)."""
+    """[N, M]: whether car j at lateral position `d` [M] (m) reaches into the lane around `centre`
+    [N] (m).
+    """
     return np.abs(d[None, :] - centre[:, None]) < 0.5 * (LANE_WIDTH + WIDTH) - LANE_MARGIN
 
 
@@ -38,13 +44,18 @@ def check_room(track: Track, traffic: int) -> None:
     """Raise ValueError unless `traffic` cars besides ours find room at the start."""
     room = int(track.length / SLOT) * track.lanes
     if not 0 <= traffic < room:
-        raise ValueError(f"traffic is {traffic}, expected 0 to {room - 1} cars on track {track.name}")
+        raise ValueError(
+            f"traffic is {traffic}, expected 0 to {room - 1} cars on track {track.name}"
+        )
 
 
-def start(track: Track, traffic: int, spread: tuple[float, float], rng: np.random.Generator) -> Cars:
+def start(
+    track: Track, traffic: int, spread: tuple[float, float], rng: np.random.Generator
+) -> Cars:
     """Our car and `traffic` others at random, in lanes, none inside another.
 
-    `spread` is the standard deviation of our own lateral offset [m] and angle [rad] (the paper's S_0); the others start centred.
+    `spread` is the standard deviation of our own lateral offset [m] and angle [rad] (the paper's
+    S_0); the others start centred.
 
     Raises:
         ValueError: the track has no room for so many cars.
@@ -63,4 +74,3 @@ def start(track: Track, traffic: int, spread: tuple[float, float], rng: np.rando
     limit = rng.uniform(*TRAFFIC_SPEEDS, traffic + 1)
     limit[0] = SPEED_LIMIT
     return place(track, s, d, angle, limit)
-

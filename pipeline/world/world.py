@@ -20,10 +20,15 @@ TOUCH = 15  # control steps, half a second: two contacts with a car that are no 
 
 
 class World:
-    """The true state of a drive. Car 0 is ours. Use as a context manager: it holds a PyBullet client."""
+    """The true state of a drive. Car 0 is ours. Use as a context manager: it holds a PyBullet
+    client.
+    """
 
-    def __init__(self, track: Track, traffic: int, spread: tuple[float, float], rng: np.random.Generator) -> None:
-        """A drive with `traffic` other cars; our car starts off its lane by `spread` (standard deviations in m and rad).
+    def __init__(
+        self, track: Track, traffic: int, spread: tuple[float, float], rng: np.random.Generator
+    ) -> None:
+        """A drive with `traffic` other cars; our car starts off its lane by `spread` (standard
+        deviations in m and rad).
 
         Raises:
             ValueError: the track has no room for so many cars.
@@ -42,7 +47,9 @@ class World:
     def __enter__(self) -> Self:
         return self
 
-    def __exit__(self, kind: type | None, error: BaseException | None, trace: TracebackType | None) -> None:
+    def __exit__(
+        self, kind: type | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
         self.scene.close()
 
     @property
@@ -52,8 +59,13 @@ class World:
 
     @property
     def off_road(self) -> bool:
-        """Whether the middle of our car has left the asphalt, or the car has turned off the road's direction altogether."""
-        return bool(abs(self.cars.d[0]) > self.track.half_width or abs(self.cars.angle(self.track)[0]) > 0.5 * np.pi)
+        """Whether the middle of our car has left the asphalt, or the car has turned off the road's
+        direction altogether.
+        """
+        return bool(
+            abs(self.cars.d[0]) > self.track.half_width
+            or abs(self.cars.angle(self.track)[0]) > 0.5 * np.pi
+        )
 
     def image(self) -> NDArray[np.uint8]:
         """What our camera sees: uint8 [72, 160, 3]."""
@@ -65,7 +77,9 @@ class World:
         return affordances(self.cars, self.track)
 
     def step(self, actions: NDArray[np.floating]) -> None:
-        """Advance by one control step; `actions` is [N, 2], every car's steering in [-1, 1] and brake."""
+        """Advance by one control step; `actions` is [N, 2], every car's steering in [-1, 1] and
+        brake.
+        """
         move(self.cars, actions, self.track)
         self.scene.place(self.cars)
         self._steps += 1
@@ -81,7 +95,9 @@ class World:
     def _collide(self, other: int, normal: NDArray[np.float64], overlap: float) -> None:
         """A plastic impact: count its damage, share the speed along the push, and part the cars."""
         cars = self.cars
-        directions = np.stack([np.cos(cars.heading[[0, other]]), np.sin(cars.heading[[0, other]])], axis=1)
+        directions = np.stack(
+            [np.cos(cars.heading[[0, other]]), np.sin(cars.heading[[0, other]])], axis=1
+        )
         ours, theirs = cars.speed[[0, other], None] * directions
         closing = -float((ours - theirs) @ normal)
         self._count_damage(other, 0.5 * max(closing, 0.0) ** 2)

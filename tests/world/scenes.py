@@ -10,7 +10,9 @@ from pipeline.world.tracks import TEST, TRAINING, Track
 
 NAMES = [*TRAINING, *TEST]
 
-track_names = strategies.sampled_from(NAMES) | strategies.integers(0, 10_000).map("random:{}".format)
+track_names = strategies.sampled_from(NAMES) | strategies.integers(0, 10_000).map(
+    "random:{}".format
+)
 
 
 def cars_at(

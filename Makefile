@@ -1,0 +1,38 @@
+# Each target sets up what it needs from nothing, into .venv of this checkout; a second call does
+# not set up again. Prebuilt wheels only, no compiler, no root: the one source that is built is
+# antlr4-python3-runtime, which has no wheel and is pure Python.
+
+export PATH := $(CURDIR)/.venv/bin:$(PATH)
+PYTHONS = python3.12 python3 python "$$(uv python find --no-python-downloads 3.12 2>&1)"
+IS_3_12 = -c 'import sys; sys.exit(sys.version_info[:2] != (3, 12))'
+WHEELS = --only-binary :all: --no-binary antlr4-python3-runtime
+
+.PHONY: repro test lint
+
+repro: .venv/.ready
+	dvc repro
+
+test: .venv/.ready
+	pytest
+
+lint: .venv/.ready
+	ruff format --check .
+	ruff check .
+	mypy
+
+.venv/.ready: requirements.lock pyproject.toml | .venv/bin/uv
+	@echo "Installing into .venv: about a minute, and 6 GB"
+	@uv pip install --quiet --python .venv/bin/python --compile-bytecode $(WHEELS) -r requirements.lock
+	@uv pip install --quiet --python .venv/bin/python --no-deps --editable .
+	@touch $@
+
+# Any python that really is a 3.12: a pyenv shim may be on the path and yet fail.
+.venv/bin/uv:
+	@for python in $(PYTHONS); do \
+	    if "$$python" $(IS_3_12) 2> /dev/null; then found="$$python"; break; fi; done; \
+	if [ -z "$$found" ]; then \
+	    echo "Python 3.12 is missing: install python3.12 and python3.12-venv" >&2; exit 1; fi; \
+	"$$found" -m venv --clear .venv > /dev/null 2>&1 || { \
+	    echo "$$found cannot make an environment: install python3.12-venv" >&2; exit 1; }
+	@.venv/bin/python -m pip install --quiet --disable-pip-version-check --only-binary :all: \
+	    --constraint requirements.lock uv

@@ -1,0 +1,109 @@
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import torch
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from pipeline.data.schema import CAMERA
+from pipeline.policies.inference import Driver
+from pipeline.policies.network import PrimaryNetwork, SafetyNetwork, feature_size
+from pipeline.policies.recording import Drive, Recording, in_order, record, until_queries
+from pipeline.policies.strategies import Strategy
+from tests.episodes import random_episode
+
+PLAN = Drive(
+    track="alder",
+    traffic=3,
+    spread=(0.3, 0.05),
+    seed=(0, 0, 0),
+    strategy=Strategy.SAFE,
+    cut=0.5,
+    record_every=3,
+    seconds=1.0,
+)
+
+
+def driver() -> Driver:
+    generator = torch.Generator().manual_seed(0)
+    primary = PrimaryNetwork(2, generator=generator)
+    safety = SafetyNetwork(feature_size(2), 4, generator=generator)
+    return Driver(primary, safety, brake_cut=0.5)
+
+
+def recordings(lengths: list[int], seed: int) -> list[Recording]:
+    rng = np.random.default_rng(seed)
+    episodes = [random_episode(rng, length, iteration=1) for length in lengths]
+    return [Recording(episode, np.zeros(len(episode))) for episode in episodes]
+
+
+@given(
+    st.lists(st.integers(1, 12), min_size=1, max_size=5),
+    st.integers(1, 30),
+    st.integers(1, 60),
+    st.integers(0, 9),
+)
+@settings(max_examples=30, deadline=None)
+def test_a_budget_is_spent_and_never_overdrawn(
+    lengths: list[int], queries: int, frames: int, seed: int
+) -> None:
+    whole = recordings(lengths, seed)
+    kept = list(until_queries(whole, queries, frames))
+    asked, driven = sum(r.queries for r in kept), sum(len(r.episode) for r in kept)
+    assert asked == queries or driven == frames or driven == sum(lengths)
+    assert asked <= queries and driven <= frames
+    for cut_short, original in zip(kept, whole, strict=False):
+        length = len(cut_short.episode)
+        assert np.array_equal(
+            cut_short.episode.columns[CAMERA], original.episode.columns[CAMERA][:length]
+        )
+
+
+def test_the_result_does_not_depend_on_the_number_of_workers() -> None:
+    jobs = [(replace(PLAN, seed=(0, 0, n)), driver(), 1, n) for n in range(3)]
+    alone, together = (list(in_order(record, jobs, workers)) for workers in (1, 2))
+    for a, b in zip(alone, together, strict=True):
+        assert a.squared_errors.tobytes() == b.squared_errors.tobytes()
+        for name, values in a.episode.columns.items():
+            assert values.tobytes() == b.episode.columns[name].tobytes(), name
+
+
+@pytest.mark.parametrize(("cut", "drives"), [(0.0, False), (1.0, True)])
+def test_below_the_cut_the_reference_drives_and_is_asked(cut: float, drives: bool) -> None:
+    recording = record(replace(PLAN, cut=cut), driver(), 1, 0)
+    columns = recording.episode.columns
+    assert np.all(columns["intervention"] == drives)
+    assert np.all(columns["queried"] == drives)
+    assert np.all(np.isnan(columns["deviation"]) != drives)
+    if drives:
+        assert np.allclose(
+            columns["deviation"][:, 0],
+            (columns["action"][:, 0] - columns["primary_action"][:, 0]) ** 2,
+        )
+    else:
+        assert np.array_equal(columns["action"], columns["primary_action"])
+
+
+def test_a_dataset_never_tells_what_nobody_paid_for() -> None:
+    columns = record(replace(PLAN, strategy=Strategy.NAIVE), driver(), 1, 0).episode.columns
+    assert not columns["queried"].any()
+    assert np.isnan(columns["deviation"]).all()
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        {"track": "nowhere"},
+        {"traffic": -1},
+        {"traffic": 10_000},
+        {"seconds": 0.0},
+        {"seconds": float("nan")},
+        {"laps": -1.0},
+        {"record_every": 7},
+        {"spread": (-0.1, 0.0)},
+    ],
+)
+def test_nonsense_is_refused_before_driving(change: dict) -> None:
+    with pytest.raises(ValueError, match=r"expected"):
+        replace(PLAN, **change)

@@ -1,0 +1,108 @@
+"""The shape of the house: who may import whom, and how soon."""
+
+import ast
+import importlib.util
+import subprocess
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parent.parent
+HEAVY = ("torch", "lerobot", "pybullet", "gymnasium", "datasets", "pandas", "scipy", "cv2")
+
+# Imports run one way (design.md, section 3): a package, and those of ours that it may import.
+MAY_IMPORT = {
+    "pipeline": {"pipeline"},
+    "pipeline.data": {"pipeline"},
+    "pipeline.world": {"pipeline", "pipeline.data"},
+    "pipeline.policies": {"pipeline", "pipeline.data", "pipeline.world"},
+    "pipeline.learning": {"pipeline", "pipeline.data", "pipeline.world", "pipeline.policies"},
+    "pipeline.evaluation": {
+        "pipeline",
+        "pipeline.data",
+        "pipeline.world",
+        "pipeline.policies",
+        "pipeline.inspection",
+    },
+    "pipeline.inspection": {"pipeline", "pipeline.data", "pipeline.world", "pipeline.policies"},
+}
+MODULES = sorted(ROOT.glob("pipeline/**/*.py")) + sorted(ROOT.glob("stages/**/*.py"))
+STAGES = [path.stem for path in sorted(ROOT.glob("stages/*.py")) if path.stem != "__init__"]
+
+
+def imports(path: Path) -> Iterator[str]:
+    """Full names of what a file imports, wherever in the file that is."""
+    for node in ast.walk(ast.parse(path.read_text())):
+        if isinstance(node, ast.Import):
+            yield from (alias.name for alias in node.names)
+        elif isinstance(node, ast.ImportFrom):
+            assert node.level == 0, f"{path} has a relative import"
+            yield from (f"{node.module}.{alias.name}" for alias in node.names)
+
+
+def package(name: str) -> str:
+    """The part of the house that a module is in: `pipeline.world`, say, or `pipeline` itself."""
+    parts = name.split(".")
+    inside = (ROOT / "pipeline" / parts[1]).is_dir() if len(parts) > 1 else False
+    return ".".join(parts[:2]) if inside else parts[0]
+
+
+def own_package(path: Path) -> str:
+    return package(".".join(path.relative_to(ROOT).with_suffix("").parts))
+
+
+@pytest.mark.parametrize("path", MODULES, ids=lambda path: str(path.relative_to(ROOT)))
+def test_imports_run_one_way(path: Path) -> None:
+    ours = own_package(path)
+    for name in imports(path):
+        if name.split(".")[0] == "pipeline":
+            assert ours == "stages" or package(name) in MAY_IMPORT[ours] | {ours}, name
+        assert name.split(".")[0] != "tests", name
+        assert ours == "stages" or name.split(".")[0] != "stages", name
+
+
+@pytest.mark.parametrize("path", sorted(ROOT.glob("pipeline/**/*.py")), ids=lambda path: path.stem)
+def test_the_library_knows_no_command_line(path: Path) -> None:
+    names = {name.split(".")[0] for name in imports(path)}
+    assert not names & {"typer", "click", "argparse"}
+    tree = ast.parse(path.read_text())
+    calls = [node.func for node in ast.walk(tree) if isinstance(node, ast.Call)]
+    assert not [call for call in calls if isinstance(call, ast.Name) and call.id == "print"]
+
+
+@pytest.mark.parametrize("path", sorted(ROOT.glob("stages/*.py")), ids=lambda path: path.stem)
+def test_no_stage_imports_a_stage(path: Path) -> None:
+    """Only `__main__`, which puts them under one roof."""
+    stages = {f"stages.{other.stem}" for other in ROOT.glob("stages/*.py") if is_a_stage(other)}
+    if path.stem != "__main__":
+        assert not stages & set(imports(path))
+
+
+def is_a_stage(path: Path) -> bool:
+    """Whether the file has a command."""
+    assigned = [node for node in ast.parse(path.read_text()).body if isinstance(node, ast.Assign)]
+    return any(isinstance(t, ast.Name) and t.id == "app" for node in assigned for t in node.targets)
+
+
+def test_importing_every_stage_imports_nothing_heavy() -> None:
+    """So that `--help` answers at once. In a process of its own: here all is imported already."""
+    code = f"import sys, {', '.join(f'stages.{stage}' for stage in STAGES)}; print(*sys.modules)"
+    run = subprocess.run(
+        [sys.executable, "-c", code], cwd=ROOT, capture_output=True, text=True, check=True
+    )
+    assert not set(run.stdout.split()) & set(HEAVY)
+
+
+def test_the_library_datasets_is_not_shadowed() -> None:
+    """datasets/ holds data; an __init__.py there would take the place of the library."""
+    spec = importlib.util.find_spec("datasets")
+    assert spec is not None and spec.origin is not None and "site-packages" in spec.origin
+    for folder in ("datasets", "models", "cards"):
+        assert not list((ROOT / folder).glob("*.py"))
+
+
+def test_every_folder_of_code_is_a_package() -> None:
+    for path in MODULES:
+        assert (path.parent / "__init__.py").is_file()
