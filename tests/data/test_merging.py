@@ -82,7 +82,7 @@ def test_merging_what_is_merged(d_1: Path, rollout_1: Path, tmp_path: Path) -> N
         np.testing.assert_array_equal(both[name], np.concatenate([first[name], then[name]]))
     # seven rows of demonstrations and, twice, the rows in which the reference drove
     driven = 7 + 2 * int(then["intervention"].sum())
-    assert summary == Summary(tmp_path / "D_2", 8, 27, queries=3 * driven)
+    assert summary == Summary(tmp_path / "D_2", 8, 27, queries=driven)
 
 
 def test_merging_changes_no_input_and_leaves_nothing_else(

@@ -38,8 +38,8 @@ def test_summary_counts(tmp_path: Path) -> None:
     driven, labelled = random_episode(rng, 3, reference_only=True), random_episode(rng, 2)
     labelled.columns["intervention"][:], labelled.columns["queried"][:] = False, [[True], [False]]
     summary = write_dataset(tmp_path / "D", [driven, labelled], record_every=5)
-    # three rows that the reference drove cost five queries each, one that it labelled costs one
-    assert summary == Summary(tmp_path / "D", episodes=2, frames=5, queries=16)
+    # a query each: three rows that the reference drove, and one that it only labelled
+    assert summary == Summary(tmp_path / "D", episodes=2, frames=5, queries=4)
     assert check_dataset(tmp_path / "D") == 5
 
 

@@ -47,9 +47,8 @@ def house(tmp_path_factory: pytest.TempPathFactory) -> Path:
         params[group] = params[group] | values if keep else values
     (root / "params.yaml").write_text(yaml.safe_dump(params))
     dvc(root, "init", "--no-scm")
-    (root / ".dvc" / "config").write_text(
-        (HOUSE / ".dvc" / "config").read_text() + "    no_scm = true\n"
-    )
+    settings = (HOUSE / ".dvc" / "config").read_text()
+    (root / ".dvc" / "config").write_text(settings.replace("[core]", "[core]\n    no_scm = true"))
     dvc(root, "repro")
     return root
 
