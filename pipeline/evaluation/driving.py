@@ -6,15 +6,10 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
-import numpy as np
-
 from pipeline.evaluation.outcomes import Outcome
-from pipeline.policies.driving import drive
 from pipeline.policies.inference import Driver
-from pipeline.policies.recording import SEED_STREAMS, Drive
+from pipeline.policies.recording import SEED_STREAMS, Drive, driven
 from pipeline.policies.strategies import Strategy
-from pipeline.world.tracks import make_track
-from pipeline.world.world import World
 
 
 def plans(
@@ -54,38 +49,23 @@ def plans(
 
 
 def evaluate(plan: Drive, start: int, driver: Driver) -> Outcome:
-    """Drive once and keep the figures only.
-
-    Raises:
-        ValueError: unknown track, or no room on it for so much traffic.
-    """
-    with World(
-        make_track(plan.track), plan.traffic, plan.spread, np.random.default_rng(plan.seed)
-    ) as world:
-        frames = takeovers = 0
-        squared_error = 0.0
-        for frame in drive(
-            world,
-            driver,
-            plan.strategy,
-            cut=plan.cut,
-            record_every=plan.record_every,
-            laps=plan.laps,
-            seconds=plan.seconds,
-        ):
-            frames += 1
-            takeovers += frame.intervention
-            squared_error += 0.0 if frame.intervention else frame.squared_error
-        return Outcome(
-            track=plan.track,
-            traffic=plan.traffic,
-            strategy=plan.strategy,
-            start=start,
-            laps=min(max(world.laps, 0.0), plan.laps),
-            damage=world.damage,
-            frames=frames,
-            takeover_frames=takeovers,
-            squared_error_sum=squared_error,
-            primary_frames=frames - takeovers,
-            off_road=world.off_road,
-        )
+    """Drive once and keep the figures only."""
+    frames = takeovers = 0
+    squared_error = 0.0
+    for world, frame in driven(plan, driver):  # noqa: B007 (the world is read after the last frame)
+        frames += 1
+        takeovers += frame.intervention
+        squared_error += 0.0 if frame.intervention else frame.squared_error
+    return Outcome(
+        track=plan.track,
+        traffic=plan.traffic,
+        strategy=plan.strategy,
+        start=start,
+        laps=min(max(world.laps, 0.0), plan.laps),
+        damage=world.damage,
+        frames=frames,
+        takeover_frames=takeovers,
+        squared_error_sum=squared_error,
+        primary_frames=frames - takeovers,
+        off_road=world.off_road,
+    )

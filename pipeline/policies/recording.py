@@ -84,22 +84,25 @@ class Recording:
         return int(self.episode.columns["queried"].sum())
 
 
+def driven(plan: Drive, driver: Driver | None) -> Iterator[tuple[World, Frame]]:
+    """The frames of a drive, each with the world as it is at its end."""
+    rng = np.random.default_rng(plan.seed)
+    with World(make_track(plan.track), plan.traffic, plan.spread, rng) as world:
+        for frame in drive(
+            world,
+            driver,
+            plan.strategy,
+            cut=plan.cut,
+            record_every=plan.record_every,
+            laps=plan.laps,
+            seconds=plan.seconds,
+        ):
+            yield world, frame
+
+
 def record(plan: Drive, driver: Driver | None, iteration: int, number: int) -> Recording:
     """Drive once and keep every frame; `number` is the drive's in its iteration, for provenance."""
-    with World(
-        make_track(plan.track), plan.traffic, plan.spread, np.random.default_rng(plan.seed)
-    ) as world:
-        frames = list(
-            drive(
-                world,
-                driver,
-                plan.strategy,
-                cut=plan.cut,
-                record_every=plan.record_every,
-                laps=plan.laps,
-                seconds=plan.seconds,
-            )
-        )
+    frames = [frame for _, frame in driven(plan, driver)]
     errors = np.array([frame.squared_error for frame in frames])
     return Recording(_episode(plan.task, frames, errors, iteration, number), errors)
 

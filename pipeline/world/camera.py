@@ -5,9 +5,9 @@ from __future__ import annotations
 from functools import lru_cache
 
 import numpy as np
-import pybullet
 from numpy.typing import NDArray
 
+from pipeline.world.bullet import pybullet
 from pipeline.world.scene import Scene
 
 HEIGHT, WIDTH = 72, 160  # pixels

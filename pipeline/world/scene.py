@@ -9,10 +9,10 @@ from typing import Any, Self
 
 import cv2
 import numpy as np
-import pybullet
 from numpy.typing import NDArray
 
 from pipeline.world import textures
+from pipeline.world.bullet import pybullet
 from pipeline.world.cars import HEIGHT, LENGTH, WIDTH, Cars
 from pipeline.world.props import scatter
 from pipeline.world.tracks import Track
