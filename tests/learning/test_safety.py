@@ -1,0 +1,64 @@
+from pathlib import Path
+
+import numpy as np
+import pytest
+import torch
+from hypothesis import given
+from hypothesis import strategies as st
+
+from pipeline.data.reading import read_columns
+from pipeline.data.writing import write_dataset
+from pipeline.learning.safety import Judged, held_out_episodes, judge
+from pipeline.policies.network import PrimaryNetwork, feature_size
+from tests.episodes import random_episode
+
+
+def judged(lengths: list[int]) -> Judged:
+    index = np.repeat(np.arange(len(lengths)), lengths)
+    return Judged(np.zeros((len(index), 2), np.float16), np.zeros(len(index), np.float32), index)
+
+
+def test_a_dataset_is_judged_frame_by_frame(tmp_path: Path) -> None:
+    rng = np.random.default_rng(0)
+    episodes = [
+        random_episode(rng, 3, reference_only=True),
+        random_episode(rng, 2, reference_only=True),
+    ]
+    write_dataset(tmp_path / "D", episodes, record_every=3)
+    primary = PrimaryNetwork(2, generator=torch.Generator().manual_seed(0))
+    seen = judge(primary, tmp_path / "D", include_brake=False)
+    assert seen.features.shape == (5, feature_size(2))
+    assert seen.episode_index.tolist() == [0, 0, 0, 1, 1]
+    proposed = primary(
+        torch.from_numpy(episodes[0].columns["observation.images.front"]).permute(0, 3, 1, 2) / 255
+    )
+    steering = proposed["steering"].detach().numpy().clip(-1, 1)
+    action = read_columns(tmp_path / "D", ["action"])["action"][:3, 0]
+    assert seen.deviation[:3] == pytest.approx((steering - action) ** 2, abs=0.02)
+
+
+def test_frames_without_a_label_are_refused(tmp_path: Path) -> None:
+    episode = random_episode(np.random.default_rng(0), 4)
+    episode.columns["queried"][:] = [[True], [False], [True], [False]]
+    write_dataset(tmp_path / "raw", [episode], record_every=3)
+    with pytest.raises(ValueError, match="raw: 2 frames have no label of the reference"):
+        judge(PrimaryNetwork(2), tmp_path / "raw", include_brake=False)
+
+
+@given(st.lists(st.integers(1, 5), min_size=2, max_size=20), st.floats(0, 1), st.integers(0, 99))
+def test_episodes_are_held_out_whole(lengths: list[int], share: float, seed: int) -> None:
+    frames = judged(lengths)
+    count = round(share * len(lengths))
+    rng = np.random.default_rng(seed)
+    if not 0 < count < len(lengths):
+        with pytest.raises(ValueError, match="expected some on both sides"):
+            held_out_episodes(frames, share, rng)
+        return
+    kept = held_out_episodes(frames, share, rng)
+    assert len(np.unique(frames.episode_index[kept])) == count
+    assert not set(frames.episode_index[kept]) & set(frames.episode_index[~kept])
+
+
+def test_episodes_of_two_sets_stay_apart() -> None:
+    both = judged([2, 1]) + judged([3])
+    assert both.episode_index.tolist() == [0, 0, 1, 2, 2, 2]
