@@ -42,6 +42,7 @@ def rollout(
 
     from pipeline.data.writing import write_dataset
     from pipeline.evaluation.writing import write_metrics
+    from pipeline.learning.labels import deviation
     from pipeline.learning.quality import detection_quality
     from pipeline.output import refuse_existing
     from pipeline.policies.inference import SAFETY_TYPE, Driver, read_config
@@ -67,6 +68,7 @@ def rollout(
 
     for number in range(len(names)):
         plan(number)  # refuses bad numbers before anything is begun
+    rules = read_config(safety, SAFETY_TYPE)  # by which its labels were made
     probabilities: list[np.ndarray] = []
     deviations: list[np.ndarray] = []
 
@@ -76,13 +78,20 @@ def rollout(
         with options.progress("queries", queries) as advance_to:
             for recording in until_queries(in_order(record, jobs, workers), queries, frames):
                 yield recording.episode
-                probabilities.append(recording.episode.columns["safe_probability"][:, 0])
-                deviations.append(recording.squared_errors)
+                columns = recording.episode.columns
+                probabilities.append(columns["safe_probability"][:, 0])
+                deviations.append(
+                    deviation(
+                        columns["primary_action"],
+                        recording.reference_actions,
+                        include_brake=rules["include_brake"],
+                    )
+                )
                 asked += recording.queries
                 advance_to(asked)
 
     summary = write_dataset(output, driven(), record_every=record_every)
-    tau = read_config(safety, SAFETY_TYPE)["tau"]
+    tau = rules["tau"]
     quality = detection_quality(np.concatenate(probabilities), np.concatenate(deviations), tau, cut)
     write_metrics(metrics, {"tau": tau, "rollout": quality})
     typer.echo(f"{summary}; {options.figures(quality)}")

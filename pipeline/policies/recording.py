@@ -73,10 +73,9 @@ class Recording:
     """A drive that has been driven. T frames."""
 
     episode: Episode
-    squared_errors: NDArray[np.float64]
-    """[T] deviation of the primary from the reference at every frame, also where the reference was
-    not asked: to measure
-    with, never to train or to select on; NaN without a primary"""
+    reference_actions: NDArray[np.float32]
+    """[T, 2] what the reference would have done, also where it was not asked: to measure with,
+    never to train or to select on"""
 
     @property
     def queries(self) -> int:
@@ -103,8 +102,8 @@ def driven(plan: Drive, driver: Driver | None) -> Iterator[tuple[World, Frame]]:
 def record(plan: Drive, driver: Driver | None, iteration: int, number: int) -> Recording:
     """Drive once and keep every frame; `number` is the drive's in its iteration, for provenance."""
     frames = [frame for _, frame in driven(plan, driver)]
-    errors = np.array([frame.squared_error for frame in frames])
-    return Recording(_episode(plan.task, frames, errors, iteration, number), errors)
+    episode = _episode(plan.task, frames, iteration, number)
+    return Recording(episode, np.stack([frame.reference_action for frame in frames]))
 
 
 def in_order[Result](
@@ -133,18 +132,17 @@ def until_queries(
     for recording in recordings:
         paid = asked + np.cumsum(recording.episode.columns["queried"][:, 0])
         stop = min(int(np.searchsorted(paid, queries)) + 1, frames - driven, len(paid))
-        yield Recording(recording.episode.rows(0, stop), recording.squared_errors[:stop])
+        yield Recording(recording.episode.rows(0, stop), recording.reference_actions[:stop])
         asked, driven = int(paid[stop - 1]), driven + stop
         if asked >= queries or driven >= frames:
             return
 
 
-def _episode(
-    task: str, frames: list[Frame], errors: NDArray[np.float64], iteration: int, number: int
-) -> Episode:
+def _episode(task: str, frames: list[Frame], iteration: int, number: int) -> Episode:
     intervention = np.array([[frame.intervention] for frame in frames])
     reference = np.stack([frame.reference_action for frame in frames])
     primary = np.stack([frame.primary_action for frame in frames])
+    errors = np.array([frame.squared_error for frame in frames])
     count = len(frames)
     return Episode(
         task,
