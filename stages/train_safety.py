@@ -42,6 +42,8 @@ def train_safety(
     threads: options.Threads,
 ) -> None:
     """Train the safety policy to tell where the primary deviates (lines 4 and 10)."""
+    from functools import partial
+
     import numpy as np
 
     from pipeline.evaluation.writing import write_metrics
@@ -52,7 +54,7 @@ def train_safety(
     from pipeline.learning.training import safe_probabilities
     from pipeline.learning.training import train_safety as train
     from pipeline.output import new_directory, refuse_existing
-    from pipeline.policies.inference import load_primary
+    from pipeline.policies.inference import PRIMARY_TYPE, load_primary, read_config
     from pipeline.policies.safety import SafetyConfig, SafetyPolicy
 
     refuse_existing(metrics)
@@ -70,6 +72,7 @@ def train_safety(
         balance=balance,
     )
     network = load_primary(primary)
+    brake_cut = read_config(primary, PRIMARY_TYPE)["brake_cut"]
     config = SafetyConfig(
         channels=network.channels,
         hidden=hidden,
@@ -79,9 +82,10 @@ def train_safety(
         balance=balance,
     )
     with new_directory(output) as folder:
-        unseen = judge(network, d_safe, include_brake)
+        judged = partial(judge, network, brake_cut=brake_cut, include_brake=include_brake)
+        unseen = judged(d_safe)
         kept = held_out_episodes(unseen, held_out, np.random.default_rng(seed))
-        shown = unseen.only(~kept) + judge(network, dataset, include_brake)
+        shown = unseen.only(~kept) + judged(dataset)
         with options.progress("training", passes) as advance_to:
             safety, _ = train(
                 shown.features,

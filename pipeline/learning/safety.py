@@ -41,8 +41,15 @@ class Judged:
         return Judged(self.features[rows], self.deviation[rows], self.episode_index[rows])
 
 
-def judge(primary: PrimaryNetwork, dataset: Path, include_brake: bool) -> Judged:
+def judge(
+    primary: PrimaryNetwork, dataset: Path, *, brake_cut: float, include_brake: bool
+) -> Judged:
     """Run a primary over a dataset whose every frame carries the reference's action.
+
+    Args:
+        primary: brakes where the brake's probability is above `brake_cut`, [0, 1].
+        dataset: a complete dataset.
+        include_brake: whether a wrong brake is a deviation too.
 
     Raises:
         FileNotFoundError, ValueError: no such dataset, or frames in it that the reference was not
@@ -54,7 +61,7 @@ def judge(primary: PrimaryNetwork, dataset: Path, include_brake: bool) -> Judged
         raise ValueError(
             f"{dataset}: {unknown} frames have no label of the reference, expected none"
         )
-    proposed, features = propose(primary, read_images(dataset), brake_cut=0.5)
+    proposed, features = propose(primary, read_images(dataset), brake_cut=brake_cut)
     epsilon = deviation(proposed, columns["action"], include_brake=include_brake)
     return Judged(features, epsilon, columns["episode_index"])
 

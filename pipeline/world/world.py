@@ -16,7 +16,7 @@ from pipeline.world.tracks import Track
 from pipeline.world.traffic import start
 
 RELEASE = 0.3  # [m/s] that a bumped car is left moving apart from ours
-TOUCH = 15  # control steps, half a second: two contacts with a car that are no further apart are one touch
+TOUCH = 15  # control steps, half a second: contacts with a car no further apart are one touch
 
 
 class World:

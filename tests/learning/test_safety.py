@@ -26,7 +26,7 @@ def test_a_dataset_is_judged_frame_by_frame(tmp_path: Path) -> None:
     ]
     write_dataset(tmp_path / "D", episodes, record_every=3)
     primary = PrimaryNetwork(2, generator=torch.Generator().manual_seed(0))
-    seen = judge(primary, tmp_path / "D", include_brake=False)
+    seen = judge(primary, tmp_path / "D", brake_cut=0.5, include_brake=False)
     assert seen.features.shape == (5, feature_size(2))
     assert seen.episode_index.tolist() == [0, 0, 0, 1, 1]
     proposed = primary(
@@ -42,7 +42,7 @@ def test_frames_without_a_label_are_refused(tmp_path: Path) -> None:
     episode.columns["queried"][:] = [[True], [False], [True], [False]]
     write_dataset(tmp_path / "raw", [episode], record_every=3)
     with pytest.raises(ValueError, match="raw: 2 frames have no label of the reference"):
-        judge(PrimaryNetwork(2), tmp_path / "raw", include_brake=False)
+        judge(PrimaryNetwork(2), tmp_path / "raw", brake_cut=0.5, include_brake=False)
 
 
 @given(st.lists(st.integers(1, 5), min_size=2, max_size=20), st.floats(0, 1), st.integers(0, 99))
