@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 
@@ -113,7 +114,15 @@ def in_order[Result](
     as they are ready.
     """
     pool = Parallel(n_jobs=workers, return_as="generator", batch_size=1, pre_dispatch="2 * n_jobs")
-    return pool(delayed(_on_one_thread)(job, each) for each in arguments)
+    results = pool(delayed(_on_one_thread)(job, each) for each in arguments)
+    try:
+        for result in results:  # noqa: UP028 (the warning below is given when `results` is closed)
+            yield result
+    finally:
+        with warnings.catch_warnings():
+            # Whoever has enough stops early: what was begun beyond that is meant to be lost.
+            warnings.filterwarnings("ignore", message=".*tasks have been successfully executed")
+            results.close()
 
 
 def _on_one_thread[Result](job: Callable[..., Result], arguments: tuple) -> Result:

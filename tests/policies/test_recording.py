@@ -1,4 +1,5 @@
 from dataclasses import replace
+from itertools import count
 
 import numpy as np
 import pytest
@@ -107,3 +108,11 @@ def test_a_dataset_never_tells_what_nobody_paid_for() -> None:
 def test_nonsense_is_refused_before_driving(change: dict) -> None:
     with pytest.raises(ValueError, match=r"expected"):
         replace(PLAN, **change)
+
+
+def test_whoever_has_enough_stops_without_a_warning(recwarn: pytest.WarningsRecorder) -> None:
+    plans = (replace(PLAN, seconds=0.2, seed=(0, 0, n)) for n in count())
+    results = in_order(record, ((plan, driver(), 1, 0) for plan in plans), 2)
+    next(results)
+    results.close()
+    assert [str(warning.message) for warning in recwarn] == []
