@@ -121,7 +121,7 @@ def in_order[Result](
     finally:
         with warnings.catch_warnings():
             # Whoever has enough stops early: what was begun beyond that is meant to be lost.
-            warnings.filterwarnings("ignore", message=".*tasks have been successfully executed")
+            warnings.simplefilter("ignore", UserWarning)
             results.close()
 
 
