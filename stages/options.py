@@ -38,9 +38,6 @@ RecordEvery = Annotated[
 Cut = Annotated[
     float, typer.Option(min=0, max=1, help="A frame is unsafe below this safe probability.")
 ]
-Iteration = Annotated[
-    int, typer.Option(min=0, help="The iteration of Algorithm 1 that this belongs to.")
-]
 Metrics = Annotated[Path, typer.Option(help="Where to write what was measured (JSON).")]
 Seed = Annotated[
     int, typer.Option(min=0, help="Of every random choice: equal seeds give equal bytes.")
