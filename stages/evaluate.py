@@ -62,6 +62,8 @@ def evaluate(
             advance_to(len(outcomes))
     write_outcomes(drives, outcomes)
     write_metrics(metrics, summarise(outcomes))
+    frames = sum(outcome.frames for outcome in outcomes)
+    takeovers = sum(outcome.takeover_frames for outcome in outcomes)
     typer.echo(
-        f"{metrics}: {len(outcomes)} drives, {sum(o.frames for o in outcomes)} frames, 0 queries"
+        f"{metrics}: {len(outcomes)} drives, {frames} frames, {takeovers} of them by the reference"
     )

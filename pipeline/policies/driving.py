@@ -59,11 +59,11 @@ def drive(
     steps of the frame.
     """
     standing = 0.0
+    actions = reference_actions(world.cars, world.track)
     for _ in range(int(seconds * CONTROL_HZ / record_every)):
         image = world.image()
         primary_action, safe_probability = _consult(driver, image)
         intervention = reference_drives(strategy, safe_probability, cut)
-        actions = reference_actions(world.cars, world.track)
         frame = Frame(
             image,
             world.affordances(),
