@@ -16,9 +16,9 @@ from pipeline.world.tracks import Track
 from pipeline.world.traffic import SENSOR_RANGE, along_road, gap_ahead, reaches
 
 LOOK_AHEAD = 10.0  # [m] to the point that the wheels are aimed at
-PULL = 0.8  # [m] the farthest that this point may lie beside the car's own line: keeps returns and lane changes gentle
-CHANGE_GAP = 42.0  # [m] a car ahead nearer than this starts to pull towards a free lane ...
-CHANGE_FADE = 12.0  # [m] ... and in full when it is this much nearer still: no jump in the label
+PULL = 0.5  # [m] the farthest that this point may lie beside the car's own line: keeps returns and lane changes gentle
+CHANGE_GAP = 46.0  # [m] a car ahead nearer than this starts to pull towards a free lane ...
+CHANGE_FADE = 24.0  # [m] ... and in full when it is this much nearer still: a gap misread by a metre hardly shows
 ADVANTAGE = 12.0  # [m] that the next lane must be freer than this one
 REAR_GAP, REAR_TIME = 8.0, 1.5  # [m], [s] for a car behind in the next lane: more if it is faster
 BRAKE_TIME = 1.0  # [s] brake when the car in our path is nearer than this at our limit (20 m): enough to stop

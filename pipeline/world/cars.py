@@ -13,7 +13,7 @@ from pipeline.world.tracks import Track
 DT = 1.0 / CONTROL_HZ  # [s]
 LENGTH, WIDTH, HEIGHT = 4.4, 1.8, 1.4  # [m] of every car
 WHEELBASE = 2.7  # [m]
-LOCK = 0.20  # [rad] of the front wheels at steering 1.0: with it tau = 0.0025 is a wheel angle of 0.01 rad
+LOCK = 0.25  # [rad] of the front wheels at steering 1.0: with it tau = 0.0025 is a wheel angle of 0.0125 rad
 STEERING_LAG = 0.10  # [s] time constant between the steering command and the wheels
 THROTTLE_GAIN, THROTTLE_MAX = 1.0, 5.0  # [1/s], [m/s^2]: the governor closes in on the speed limit
 BRAKE_GAIN, BRAKE_FLOOR = 0.35, 8.0  # [1/s], [m/s^2]: grows with speed, so that queues settle

@@ -69,7 +69,7 @@ def dvc(root: Path, *arguments: str) -> str:
 
 
 def metric(house: Path, name: str) -> dict:
-    return json.loads((house / "cards" / "metrics" / f"{name}.json").read_text())
+    return json.loads((house / "cards" / "metrics" / "seed_0" / f"{name}.json").read_text())
 
 
 def test_what_was_selected_is_what_was_queried_is_what_was_merged(house: Path) -> None:
