@@ -1,4 +1,7 @@
-"""Lines 1 and 2 of Algorithm 1: collect D_0, and D_safe, with the reference policy."""
+"""Lines 1 and 2 of Algorithm 1: collect D_0, and D_safe, with the reference policy.
+
+And what the supervised strategy trains on in later iterations (Sec. 4.4).
+"""
 
 from collections.abc import Iterator
 from enum import StrEnum
@@ -19,6 +22,7 @@ class Purpose(StrEnum):
 
     d_0 = "D_0"
     d_safe = "D_safe"
+    supervised = "supervised"
 
 
 @app.command()
@@ -32,28 +36,28 @@ def collect(
     angle_spread: options.AngleSpread,
     record_every: options.RecordEvery,
     purpose: Annotated[
-        Purpose, typer.Option(help="Which random numbers to draw: those of D_0 or of D_safe.")
+        Purpose, typer.Option(help="Which random numbers to draw: no two purposes share any.")
     ],
+    iteration: Annotated[int, typer.Option(min=0, help="The iteration that this is for.")],
     seed: options.Seed,
     workers: options.Workers,
 ) -> None:
-    """Collect a dataset with the reference policy (D_0 and D_safe, lines 1 and 2)."""
+    """Collect a dataset with the reference policy (lines 1 and 2; supervised)."""
     from pipeline.data.writing import write_dataset
     from pipeline.output import refuse_existing
     from pipeline.policies.recording import SEED_STREAMS, Drive, in_order, record
-    from pipeline.policies.strategies import Strategy
+    from pipeline.policies.strategies import Rule, Strategy
 
     refuse_existing(output)
-    names = options.track_names(tracks)
+    names = options.names(tracks)
 
     plans = [
         Drive(
             track=names[number % len(names)],
             traffic=traffic,
             spread=(offset_spread, angle_spread),
-            seed=(seed, SEED_STREAMS[purpose], number),
-            strategy=Strategy.REFERENCE,
-            cut=0.0,
+            seed=(seed, SEED_STREAMS[purpose] + iteration, number),
+            rule=Rule(Strategy.REFERENCE),
             record_every=record_every,
             seconds=seconds,
         )
@@ -62,7 +66,7 @@ def collect(
 
     def driven() -> Iterator["Episode"]:
         with options.progress("collecting", episodes) as advance_to:
-            jobs = ((plan, None, 0, number) for number, plan in enumerate(plans))
+            jobs = ((plan, None, iteration, number) for number, plan in enumerate(plans))
             for done, recording in enumerate(in_order(record, jobs, workers), 1):
                 yield recording.episode
                 advance_to(done)

@@ -1,4 +1,4 @@
-"""Sec. 4.4: drive the test tracks, naive and safe, without and with traffic."""
+"""Sec. 4.4: drive the test tracks by each strategy, without and with traffic."""
 
 from pathlib import Path
 from typing import Annotated
@@ -22,31 +22,44 @@ def evaluate(
     ],
     seconds: options.Seconds,
     record_every: options.RecordEvery,
+    strategies: Annotated[
+        str, typer.Option(help="Driving strategies, separated by commas: naive, safe, optimal.")
+    ],
     cut: options.Cut,
     drives: Annotated[Path, typer.Option(help="Where to write each drive's outcome (CSV).")],
     metrics: options.Metrics,
     seed: options.Seed,
     workers: options.Workers,
 ) -> None:
-    """Evaluate a primary and its safety policy on tracks, with both driving strategies (Sec. 4.4)."""
+    """Evaluate a primary and its safety policy on tracks, by driving strategies (Sec. 4.4)."""
     from pipeline.evaluation.driving import evaluate as evaluate_drive
     from pipeline.evaluation.driving import plans
     from pipeline.evaluation.outcomes import write_outcomes
     from pipeline.evaluation.summary import summarise
     from pipeline.evaluation.writing import write_metrics
     from pipeline.output import refuse_existing
-    from pipeline.policies.inference import Driver
+    from pipeline.policies.inference import SAFETY_TYPE, Driver, read_config
     from pipeline.policies.recording import in_order
+    from pipeline.policies.strategies import Rule, parse_driving
 
     for path in (drives, metrics):
         refuse_existing(path)
     driver = Driver.load(primary, safety)
+    labels = read_config(safety, SAFETY_TYPE)  # by which the safety policy's labels were made
     planned = list(
         plans(
-            options.track_names(tracks),
+            [
+                Rule(
+                    parse_driving(name),
+                    cut=cut,
+                    tau=labels["tau"],
+                    include_brake=labels["include_brake"],
+                )
+                for name in options.names(strategies)
+            ],
+            options.names(tracks),
             traffic,
             starts,
-            cut=cut,
             record_every=record_every,
             laps=laps,
             seconds=seconds,

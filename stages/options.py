@@ -60,9 +60,9 @@ Threads = Annotated[
 ]
 
 
-def track_names(tracks: str) -> list[str]:
+def names(listed: str) -> list[str]:
     """The names in a comma-separated list."""
-    return [name.strip() for name in tracks.split(",")]
+    return [name.strip() for name in listed.split(",")]
 
 
 @contextmanager

@@ -40,19 +40,20 @@ def rollout(
     """Drive with the safe strategy and keep every frame, raw (D', line 6)."""
     import numpy as np
 
+    from pipeline.data.schema import CONTROL_HZ
     from pipeline.data.writing import write_dataset
     from pipeline.evaluation.writing import write_metrics
-    from pipeline.learning.labels import deviation
+    from pipeline.learning.labels import LabelRule
     from pipeline.learning.quality import detection_quality
     from pipeline.output import refuse_existing
     from pipeline.policies.inference import SAFETY_TYPE, Driver, read_config
     from pipeline.policies.recording import SEED_STREAMS, Drive, in_order, record, until_queries
-    from pipeline.policies.strategies import Strategy
+    from pipeline.policies.strategies import Rule, Strategy
 
     refuse_existing(output)
     refuse_existing(metrics)
     driver = Driver.load(primary, safety)
-    names = options.track_names(tracks)
+    names = options.names(tracks)
 
     def plan(number: int) -> Drive:
         return Drive(
@@ -60,15 +61,15 @@ def rollout(
             traffic=traffic,
             spread=(offset_spread, angle_spread),
             seed=(seed, SEED_STREAMS["rollout"] + iteration, number),
-            strategy=Strategy.SAFE,
-            cut=cut,
+            rule=Rule(Strategy.SAFE, cut=cut),
             record_every=record_every,
             seconds=seconds,
         )
 
     for number in range(len(names)):
         plan(number)  # refuses bad numbers before anything is begun
-    rules = read_config(safety, SAFETY_TYPE)  # by which its labels were made
+    config = read_config(safety, SAFETY_TYPE)
+    labels = LabelRule.of(config)
     probabilities: list[np.ndarray] = []
     deviations: list[np.ndarray] = []
 
@@ -81,17 +82,18 @@ def rollout(
                 columns = recording.episode.columns
                 probabilities.append(columns["safe_probability"][:, 0])
                 deviations.append(
-                    deviation(
+                    labels.deviation(
                         columns["primary_action"],
                         recording.reference_actions,
-                        include_brake=rules["include_brake"],
+                        columns["source.episode"][:, 0],
+                        CONTROL_HZ / record_every,
                     )
                 )
                 asked += recording.queries
                 advance_to(asked)
 
     summary = write_dataset(output, driven(), record_every=record_every)
-    tau = rules["tau"]
+    tau = config["tau"]
     quality = detection_quality(np.concatenate(probabilities), np.concatenate(deviations), tau, cut)
     write_metrics(metrics, {"tau": tau, "rollout": quality})
     typer.echo(f"{summary}; {options.figures(quality)}")

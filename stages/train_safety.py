@@ -1,5 +1,6 @@
 """Lines 4 and 10 of Algorithm 1: fit pi_safe,i to where pi_i deviates, on D_safe and D_i."""
 
+from enum import StrEnum
 from pathlib import Path
 from typing import Annotated
 
@@ -8,6 +9,13 @@ import typer
 from stages import options
 
 app = typer.Typer()
+
+
+class HorizonMode(StrEnum):
+    """Which deviation of the horizon counts."""
+
+    last = "last"
+    max = "max"
 
 
 @app.command()
@@ -20,6 +28,13 @@ def train_safety(
         float, typer.Option(help="Threshold on the squared steering error: safe up to here.")
     ],
     include_brake: Annotated[bool, typer.Option(help="Whether a wrong brake is a deviation too.")],
+    horizon: Annotated[
+        float, typer.Option(min=0, help="How far ahead to foresee a deviation [s].")
+    ],
+    horizon_mode: Annotated[
+        HorizonMode,
+        typer.Option(help="The deviation at the end of the horizon, or the largest within."),
+    ],
     cut: Annotated[
         float, typer.Option(help="Unsafe is what has a lower probability of being safe.")
     ],
@@ -47,7 +62,7 @@ def train_safety(
     import numpy as np
 
     from pipeline.evaluation.writing import write_metrics
-    from pipeline.learning.labels import safe_labels
+    from pipeline.learning.labels import LabelRule, safe_labels
     from pipeline.learning.quality import detection_quality
     from pipeline.learning.safety import held_out_episodes, judge
     from pipeline.learning.settings import SafetySettings
@@ -79,10 +94,13 @@ def train_safety(
         tau=tau,
         cut=cut,
         include_brake=include_brake,
+        horizon=horizon,
+        horizon_mode=horizon_mode.value,
         balance=balance,
     )
+    rule = LabelRule(include_brake, horizon, horizon_mode.value)
     with new_directory(output) as folder:
-        judged = partial(judge, network, brake_cut=brake_cut, include_brake=include_brake)
+        judged = partial(judge, network, brake_cut=brake_cut, rule=rule)
         unseen = judged(d_safe)
         kept = held_out_episodes(unseen, held_out, np.random.default_rng(seed))
         shown = unseen.only(~kept) + judged(dataset)

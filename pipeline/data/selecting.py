@@ -1,4 +1,6 @@
-"""Algorithm 1, line 7: keep of a drive what the safety policy called unsafe."""
+"""What an iteration keeps of its drives: what the safety policy called unsafe (Algorithm 1, line 7),
+or, for DAgger, a uniform sample (Sec. 4.2).
+"""
 
 from collections.abc import Iterable, Iterator
 
@@ -21,9 +23,7 @@ def unsafe_runs(safe_probability: np.ndarray, cut: float) -> list[slice]:
     _check_cut(cut)
     if safe_probability.ndim != 1:
         raise ValueError(f"safe_probability has shape {safe_probability.shape}, expected (T,)")
-    unsafe = np.concatenate([[False], safe_probability < cut, [False]])
-    edges = np.flatnonzero(unsafe[1:] != unsafe[:-1])
-    return [slice(int(a), int(b)) for a, b in zip(edges[::2], edges[1::2], strict=True)]
+    return _runs(safe_probability < cut)
 
 
 def select_unsafe(episodes: Iterable[Episode], cut: float) -> Iterator[Episode]:
@@ -38,6 +38,38 @@ def select_unsafe(episodes: Iterable[Episode], cut: float) -> Iterator[Episode]:
         for episode in episodes
         for run in unsafe_runs(episode.columns["safe_probability"][:, 0], cut)
     )
+
+
+def sample_frames(
+    episodes: Iterable[Episode], total: int, frames: int, rng: np.random.Generator
+) -> Iterator[Episode]:
+    """A uniform sample of `frames` rows of the `total` that `episodes` have, without replacement.
+
+    Each run of neighbours is an episode of its own, so that no episode has a gap in time.
+
+    Raises:
+        ValueError: `frames` is not from 1 to `total`; at once.
+    """
+    if not 1 <= frames <= total:
+        raise ValueError(f"frames is {frames}, expected 1 to the {total} of the dataset")
+    chosen = np.zeros(total, bool)
+    chosen[rng.choice(total, frames, replace=False)] = True
+    return _sampled(episodes, chosen)
+
+
+def _sampled(episodes: Iterable[Episode], chosen: np.ndarray) -> Iterator[Episode]:
+    first = 0
+    for episode in episodes:
+        for run in _runs(chosen[first : first + len(episode)]):
+            yield episode.rows(run.start, run.stop)
+        first += len(episode)
+
+
+def _runs(chosen: np.ndarray) -> list[slice]:
+    """Maximal runs of true in `chosen` [T], in order."""
+    padded = np.concatenate([[False], chosen, [False]])
+    edges = np.flatnonzero(padded[1:] != padded[:-1])
+    return [slice(int(a), int(b)) for a, b in zip(edges[::2], edges[1::2], strict=True)]
 
 
 def _check_cut(cut: float) -> None:

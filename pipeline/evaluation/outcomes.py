@@ -35,6 +35,10 @@ class Outcome:
     """sum of the deviation over `primary_frames`"""
     primary_frames: int
     """driven by the primary; in each the reference was asked only to measure the deviation"""
+    takeovers: int
+    """how often the reference began to drive"""
+    switches: int
+    """how often the driver changed, either way"""
     off_road: bool
     """the drive ended by leaving the road"""
 
@@ -45,7 +49,14 @@ class Outcome:
             value = getattr(self, name)
             if not (math.isfinite(value) and value >= 0):
                 raise ValueError(f"{name} is {value}, expected a finite number of at least 0")
-        for name in ("traffic", "start", "takeover_frames", "primary_frames"):
+        for name in (
+            "traffic",
+            "start",
+            "takeover_frames",
+            "primary_frames",
+            "takeovers",
+            "switches",
+        ):
             if getattr(self, name) < 0:
                 raise ValueError(f"{name} is {getattr(self, name)}, expected at least 0")
         if self.strategy not in list(Strategy):

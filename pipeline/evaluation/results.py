@@ -89,13 +89,13 @@ def read_results(metrics: Path, iterations: int) -> Results:
         raise ValueError(f"iterations {iterations}: expected at least 1")
     return Results(
         [_iteration(metrics, number, iterations) for number in range(iterations + 1)],
-        d_safe=_File(metrics / "ledger_D_safe.json").record(Ledger),
+        d_safe=MetricsFile(metrics / "ledger_D_safe.json").record(Ledger),
     )
 
 
 def _iteration(metrics: Path, number: int, last: int) -> Iteration:
-    driving = _File(metrics / f"driving_{number}.json")
-    safety = _File(metrics / f"safety_{number}.json")
+    driving = MetricsFile(metrics / f"driving_{number}.json")
+    safety = MetricsFile(metrics / f"safety_{number}.json")
     return Iteration(
         number=number,
         driving={
@@ -106,10 +106,12 @@ def _iteration(metrics: Path, number: int, last: int) -> Iteration:
             for strategy in STRATEGIES
         },
         drives=_drives(metrics / f"drives_{number}.csv"),
-        ledger=_File(metrics / f"ledger_D_{number}.json").record(Ledger),
+        ledger=MetricsFile(metrics / f"ledger_D_{number}.json").record(Ledger),
         tau=safety.number("tau"),
         held_out=safety.record(SafetyQuality, "held_out"),
-        next_rollout=_File(metrics / f"rollout_{number + 1}.json").record(SafetyQuality, "rollout")
+        next_rollout=MetricsFile(metrics / f"rollout_{number + 1}.json").record(
+            SafetyQuality, "rollout"
+        )
         if number < last
         else None,
     )
@@ -126,7 +128,7 @@ def _drives(path: Path) -> list[Outcome]:
     return drives
 
 
-class _File:
+class MetricsFile:
     """A JSON file of metrics, of which we take what we know and leave the rest alone."""
 
     def __init__(self, path: Path) -> None:

@@ -24,6 +24,10 @@ class Performance:
     """mean deviation over all frames that the primary drove; None where it drove none"""
     takeover: float
     """share of all frames in which the reference drove, [0, 1]"""
+    takeover_length: float | None
+    """mean length of a takeover [frames]; None where there was none"""
+    switches_per_lap: float | None
+    """changes of driver per lap driven; None where no distance was driven"""
     off_road: float
     """share of the drives that left the road, [0, 1]"""
     drives: int
@@ -44,14 +48,16 @@ def measure(outcomes: Iterable[Outcome]) -> Performance:
         raise ValueError("there are no drives, expected at least one")
     frames = sum(drive.frames for drive in drives)
     measured = sum(drive.primary_frames for drive in drives)
+    taken_over = sum(drive.takeover_frames for drive in drives)
+    driven = math.fsum(drive.laps for drive in drives)
     return Performance(
         laps=_mean_laps(drives),
         # fsum is exact, so that the order of the drives cannot show in the last digit
-        damage_per_lap=_ratio(
-            math.fsum(drive.damage for drive in drives), math.fsum(drive.laps for drive in drives)
-        ),
+        damage_per_lap=_ratio(math.fsum(drive.damage for drive in drives), driven),
         steering_mse=_ratio(math.fsum(drive.squared_error_sum for drive in drives), measured),
-        takeover=sum(drive.takeover_frames for drive in drives) / frames,
+        takeover=taken_over / frames,
+        takeover_length=_ratio(taken_over, sum(drive.takeovers for drive in drives)),
+        switches_per_lap=_ratio(sum(drive.switches for drive in drives), driven),
         off_road=sum(drive.off_road for drive in drives) / len(drives),
         drives=len(drives),
         frames=frames,

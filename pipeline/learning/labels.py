@@ -1,35 +1,43 @@
-"""What the safety policy learns: deviations, and which of them count as safe (Eq. 2).
+"""What the safety policy learns: which deviations count as safe (Eq. 2), and how far ahead.
 
 In the shapes, N is the number of frames.
 """
 
 import math
-from typing import Literal
+from dataclasses import dataclass
+from typing import Any, Literal, Self
 
 import numpy as np
 
+from pipeline.policies.deviation import deviation
 
-def deviation(
-    proposed: np.ndarray, reference: np.ndarray, *, include_brake: bool = False
-) -> np.ndarray:
-    """Epsilon float32 [N], the squared difference of the steering, in [0, 4].
 
-    Args:
-        proposed: float32 [N, 2], the primary's steering and brake.
-        reference: float32 [N, 2], the reference's for the same frames.
-        include_brake: whether the brake's squared difference, 0 or 1, is added: then a wrong brake
-            is unsafe under any threshold below 1.
+@dataclass(frozen=True)
+class LabelRule:
+    """What of a drive is held against a primary: the deviation that Eq. 2 compares with tau."""
 
-    Raises:
-        ValueError: arrays of other shapes.
-    """
-    if proposed.shape != reference.shape or proposed.shape != (len(proposed), 2):
-        raise ValueError(
-            f"proposed is {proposed.shape} and reference {reference.shape}, "
-            "expected the same (frames, 2)"
-        )
-    squares = np.square(proposed.astype(np.float32) - reference.astype(np.float32))
-    return squares.sum(1) if include_brake else squares[:, 0]
+    include_brake: bool
+    """whether a wrong brake is a deviation too"""
+    horizon: float
+    """>= 0 [s], how far ahead the deviation is looked for"""
+    mode: Literal["last", "max"]
+    """see `label_horizon`"""
+
+    @classmethod
+    def of(cls, config: dict[str, Any]) -> Self:
+        """The rule that a safety policy's configuration carries."""
+        return cls(config["include_brake"], config["horizon"], config["horizon_mode"])
+
+    def deviation(
+        self, proposed: np.ndarray, reference: np.ndarray, episode_index: np.ndarray, fps: float
+    ) -> np.ndarray:
+        """[N], what labels each frame of `proposed` and `reference` [N, 2], `fps` frames a second.
+
+        Raises:
+            ValueError: as `deviation` and `label_horizon`.
+        """
+        epsilon = deviation(proposed, reference, include_brake=self.include_brake)
+        return label_horizon(epsilon, episode_index, round(self.horizon * fps), self.mode)
 
 
 def safe_labels(deviation: np.ndarray, tau: float) -> np.ndarray:

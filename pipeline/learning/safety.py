@@ -10,8 +10,9 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from pipeline.data.reading import read_columns, read_images
-from pipeline.learning.labels import deviation
+from pipeline.data.reading import check_dataset, read_columns, read_images
+from pipeline.data.schema import CONTROL_HZ
+from pipeline.learning.labels import LabelRule
 from pipeline.policies.inference import propose
 from pipeline.policies.network import PrimaryNetwork
 
@@ -23,7 +24,7 @@ class Judged:
     features: NDArray[np.float16]
     """[N, F], Conv5"""
     deviation: NDArray[np.float32]
-    """[N], epsilon"""
+    """[N], what Eq. 2 compares with tau"""
     episode_index: NDArray[np.int64]
     """[N]"""
 
@@ -41,20 +42,19 @@ class Judged:
         return Judged(self.features[rows], self.deviation[rows], self.episode_index[rows])
 
 
-def judge(
-    primary: PrimaryNetwork, dataset: Path, *, brake_cut: float, include_brake: bool
-) -> Judged:
+def judge(primary: PrimaryNetwork, dataset: Path, *, brake_cut: float, rule: LabelRule) -> Judged:
     """Run a primary over a dataset whose every frame carries the reference's action.
 
     Args:
         primary: brakes where the brake's probability is above `brake_cut`, [0, 1].
         dataset: a complete dataset.
-        include_brake: whether a wrong brake is a deviation too.
+        rule: what counts as a deviation.
 
     Raises:
         FileNotFoundError, ValueError: no such dataset, or frames in it that the reference was not
         asked about.
     """
+    fps = CONTROL_HZ / check_dataset(dataset)
     columns = read_columns(dataset, ["action", "queried"])
     if not columns["queried"].all():
         unknown = int((~columns["queried"]).sum())
@@ -62,7 +62,7 @@ def judge(
             f"{dataset}: {unknown} frames have no label of the reference, expected none"
         )
     proposed, features = propose(primary, read_images(dataset), brake_cut=brake_cut)
-    epsilon = deviation(proposed, columns["action"], include_brake=include_brake)
+    epsilon = rule.deviation(proposed, columns["action"], columns["episode_index"], fps)
     return Judged(features, epsilon, columns["episode_index"])
 
 

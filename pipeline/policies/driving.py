@@ -8,9 +8,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from pipeline.policies.deviation import deviation
 from pipeline.policies.inference import Driver
 from pipeline.policies.reference import reference_actions
-from pipeline.policies.strategies import Strategy, reference_drives
+from pipeline.policies.strategies import Rule
 from pipeline.world.cars import CONTROL_HZ
 from pipeline.world.world import World
 
@@ -46,24 +47,25 @@ class Frame:
 def drive(
     world: World,
     driver: Driver | None,
-    strategy: Strategy,
+    rule: Rule,
     *,
-    cut: float,
     record_every: int,
     laps: float,
     seconds: float,
+    rng: np.random.Generator,
 ) -> Iterator[Frame]:
     """Drive until the road is left, `laps` are done, `seconds` have passed or the car stands still.
 
     Whoever drives is asked once a frame, and its action is held for the `record_every` control
-    steps of the frame.
+    steps of the frame. `rng` draws for a mixture, once a frame.
     """
     standing = 0.0
     actions = reference_actions(world.cars, world.track)
     for _ in range(int(seconds * CONTROL_HZ / record_every)):
         image = world.image()
         primary_action, safe_probability = _consult(driver, image)
-        intervention = reference_drives(strategy, safe_probability, cut)
+        epsilon = deviation(primary_action[None], actions[:1], include_brake=rule.include_brake)
+        intervention = rule.reference_drives(safe_probability, float(epsilon[0]), rng.random())
         frame = Frame(
             image,
             world.affordances(),

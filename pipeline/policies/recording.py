@@ -14,12 +14,12 @@ from numpy.typing import NDArray
 from pipeline.data.schema import CAMERA, Episode, check_record_every
 from pipeline.policies.driving import Frame, drive
 from pipeline.policies.inference import Driver
-from pipeline.policies.strategies import Strategy
+from pipeline.policies.strategies import Rule, Strategy
 from pipeline.world.tracks import make_track
 from pipeline.world.traffic import check_room
 from pipeline.world.world import World
 
-SEED_STREAMS = {"D_0": 0, "D_safe": 1, "rollout": 100, "evaluation": 1000}
+SEED_STREAMS = {"D_0": 0, "D_safe": 1, "supervised": 10, "rollout": 100, "evaluation": 1000}
 """The second number of every drive's seed: no two collections of an experiment meet the same random
 numbers.
 """
@@ -42,9 +42,8 @@ class Drive:
     """standard deviations of the initial lateral offset [m] and angle [rad]: the paper's S_0"""
     seed: tuple[int, ...]
     """of the drive's random generator"""
-    strategy: Strategy
-    cut: float
-    """a safe probability below it is unsafe"""
+    rule: Rule
+    """who drives"""
     record_every: int
     """control steps in a frame, >= 1"""
     seconds: float
@@ -91,19 +90,24 @@ def driven(plan: Drive, driver: Driver | None) -> Iterator[tuple[World, Frame]]:
         for frame in drive(
             world,
             driver,
-            plan.strategy,
-            cut=plan.cut,
+            plan.rule,
             record_every=plan.record_every,
             laps=plan.laps,
             seconds=plan.seconds,
+            rng=rng,
         ):
             yield world, frame
 
 
 def record(plan: Drive, driver: Driver | None, iteration: int, number: int) -> Recording:
-    """Drive once and keep every frame; `number` is the drive's in its iteration, for provenance."""
+    """Drive once and keep every frame; `number` is the drive's in its iteration, for provenance.
+
+    The reference is asked for the frames that it drives, and under a mixture, which is DAgger's,
+    for all of them.
+    """
     frames = [frame for _, frame in driven(plan, driver)]
-    episode = _episode(plan.task, frames, iteration, number)
+    labelled = plan.rule.strategy is Strategy.MIXTURE
+    episode = _episode(plan.task, frames, iteration, number, every_frame=labelled)
     return Recording(episode, np.stack([frame.reference_action for frame in frames]))
 
 
@@ -147,8 +151,11 @@ def until_queries(
             return
 
 
-def _episode(task: str, frames: list[Frame], iteration: int, number: int) -> Episode:
+def _episode(
+    task: str, frames: list[Frame], iteration: int, number: int, *, every_frame: bool
+) -> Episode:
     intervention = np.array([[frame.intervention] for frame in frames])
+    queried = intervention | every_frame
     reference = np.stack([frame.reference_action for frame in frames])
     primary = np.stack([frame.primary_action for frame in frames])
     errors = np.array([frame.squared_error for frame in frames])
@@ -157,15 +164,15 @@ def _episode(task: str, frames: list[Frame], iteration: int, number: int) -> Epi
         task,
         {
             CAMERA: np.stack([frame.image for frame in frames]),
-            "action": np.where(intervention, reference, primary),
+            "action": np.where(queried, reference, primary),
             "primary_action": primary,
             "affordances": np.stack([frame.affordances for frame in frames]),
             "intervention": intervention,
-            "queried": intervention.copy(),
+            "queried": queried,
             "safe_probability": np.array(
                 [[frame.safe_probability] for frame in frames], np.float32
             ),
-            "deviation": np.where(intervention, errors[:, None], np.nan).astype(np.float32),
+            "deviation": np.where(queried, errors[:, None], np.nan).astype(np.float32),
             "source.iteration": np.full((count, 1), iteration, np.int64),
             "source.episode": np.full((count, 1), number, np.int64),
             "source.frame": np.arange(count, dtype=np.int64)[:, None],

@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from pipeline.data.schema import FEATURES, IMAGE_SHAPE, Episode
-from pipeline.data.selecting import select_unsafe, unsafe_runs
+from pipeline.data.selecting import sample_frames, select_unsafe, unsafe_runs
 from tests.episodes import random_episode
 
 probability = st.one_of(st.sampled_from([0.0, 0.5, 1.0, float("nan")]), st.floats(0, 1, width=32))
@@ -92,3 +92,51 @@ def test_refuses_a_cut_that_is_no_probability(cut: float) -> None:
 def test_refuses_a_column() -> None:
     with pytest.raises(ValueError, match=r"shape \(3, 1\), expected \(T,\)"):
         unsafe_runs(np.zeros((3, 1)), 0.5)
+
+
+def source(episodes: list[Episode]) -> list[tuple[int, int]]:
+    return [
+        (int(number), int(frame))
+        for episode in episodes
+        for number, frame in zip(
+            episode.columns["source.episode"][:, 0],
+            episode.columns["source.frame"][:, 0],
+            strict=True,
+        )
+    ]
+
+
+@given(st.lists(st.integers(1, 9), min_size=1, max_size=4), st.data())
+def test_a_sample_has_so_many_frames_each_at_most_once_and_no_gaps(
+    lengths: list[int], data: st.DataObject
+) -> None:
+    raw = [blank(frames, number) for number, frames in enumerate(lengths)]
+    wanted = data.draw(st.integers(1, sum(lengths)))
+    rng = np.random.default_rng(data.draw(st.integers(0, 99)))
+    kept = list(sample_frames(raw, sum(lengths), wanted, rng))
+    rows = source(kept)
+    assert len(rows) == len(set(rows)) == wanted
+    assert rows == sorted(rows) and set(rows) <= set(source(raw))
+    for episode in kept:
+        frames = episode.columns["source.frame"][:, 0]
+        assert np.all(np.diff(frames) == 1)
+
+
+def test_a_sample_is_uniform() -> None:
+    """Each of 10 frames is drawn 300 times of 1000 on average; 5 deviations off is 1 in a million."""
+    drawn: list[int] = []
+    for seed in range(1000):
+        kept = sample_frames([blank(4, 0), blank(6, 1)], 10, 3, np.random.default_rng(seed))
+        drawn += [4 * number + frame for number, frame in source(list(kept))]
+    assert np.all(np.abs(np.bincount(drawn, minlength=10) - 300) < 5 * np.sqrt(1000 * 0.3 * 0.7))
+
+
+@pytest.mark.parametrize("frames", [0, 11])
+def test_a_sample_is_no_larger_than_the_dataset(frames: int) -> None:
+    with pytest.raises(ValueError, match=f"frames is {frames}, expected 1 to the 10"):
+        sample_frames([], 10, frames, np.random.default_rng(0))
+
+
+def blank(frames: int, number: int) -> Episode:
+    images = np.zeros((frames, *IMAGE_SHAPE), np.uint8)
+    return random_episode(np.random.default_rng(0), frames, episode=number, images=images)

@@ -33,6 +33,8 @@ def outcome(**changes: Any) -> Outcome:
         "takeover_frames": 0,
         "squared_error_sum": 5.0,
         "primary_frames": 500,
+        "takeovers": 0,
+        "switches": 0,
         "off_road": True,
     }
     return Outcome(**values | changes)
@@ -65,6 +67,8 @@ def _drive(
         frames=frames,
         takeover_frames=takeover_frames,
         primary_frames=primary_frames,
+        takeovers=takeover_frames // 5,
+        switches=2 * (takeover_frames // 5),
         squared_error_sum=primary_frames * 0.05 / (1 + laps),
         off_road=laps < 3.0,
     )

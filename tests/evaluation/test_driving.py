@@ -7,9 +7,11 @@ from pipeline.evaluation.driving import evaluate, plans
 from pipeline.policies.inference import Driver
 from pipeline.policies.network import PrimaryNetwork, SafetyNetwork, feature_size
 from pipeline.policies.recording import Drive
-from pipeline.policies.strategies import Strategy
+from pipeline.policies.strategies import DRIVING, Rule, Strategy
 
-PLANS = list(plans(["alder", "yew"], 3, 2, cut=0.0, record_every=3, laps=3.0, seconds=2.0, seed=0))
+RULES = [Rule(strategy, cut=0.0, tau=9.0) for strategy in DRIVING]
+ALWAYS = Rule(Strategy.SAFE, cut=1.0)
+PLANS = list(plans(RULES, ["alder", "yew"], 3, 2, record_every=3, laps=3.0, seconds=2.0, seed=0))
 
 
 @pytest.fixture(scope="module")
@@ -20,36 +22,51 @@ def driver() -> Driver:
 
 
 def plan(strategy: Strategy, traffic: int) -> Drive:
-    return next(p for p, _ in PLANS if p.strategy is strategy and p.traffic == traffic)
+    return next(p for p, _ in PLANS if p.rule.strategy is strategy and p.traffic == traffic)
 
 
 def test_every_case_is_driven_once() -> None:
-    cases = {(p.strategy, p.traffic, p.track, start) for p, start in PLANS}
-    assert len(cases) == len(PLANS) == 2 * 2 * 2 * 2
+    cases = {(p.rule.strategy, p.traffic, p.track, start) for p, start in PLANS}
+    assert len(cases) == len(PLANS) == 3 * 2 * 2 * 2
 
 
-def test_both_strategies_meet_the_same_starts() -> None:
-    naive, safe = (
-        [p.seed for p, _ in PLANS if p.strategy is s] for s in (Strategy.NAIVE, Strategy.SAFE)
-    )
-    assert naive == safe
+def test_all_strategies_meet_the_same_starts() -> None:
+    naive, safe, optimal = ([p.seed for p, _ in PLANS if p.rule.strategy is s] for s in DRIVING)
+    assert naive == safe == optimal
 
 
-def test_where_nothing_is_unsafe_the_safe_strategy_drives_as_the_naive_one(driver: Driver) -> None:
-    naive, safe = (evaluate(plan(s, 3), 0, driver) for s in (Strategy.NAIVE, Strategy.SAFE))
-    assert replace(safe, strategy=naive.strategy) == naive
-    assert naive.takeover_frames == 0
+@pytest.mark.parametrize("strategy", [Strategy.SAFE, Strategy.OPTIMAL])
+def test_where_nothing_is_unsafe_it_drives_as_the_naive_strategy(
+    strategy: Strategy, driver: Driver
+) -> None:
+    """A cut of 0; and a tau above every deviation, which turns SafeDAgger into DAgger (Sec. 3.2)."""
+    naive, other = (evaluate(plan(s, 3), 0, driver) for s in (Strategy.NAIVE, strategy))
+    assert replace(other, strategy=naive.strategy) == naive
+    assert naive.takeover_frames == naive.takeovers == naive.switches == 0
 
 
 def test_where_everything_is_unsafe_the_reference_drives(driver: Driver) -> None:
-    outcome = evaluate(replace(plan(Strategy.SAFE, 0), cut=1.0), 0, driver)
+    outcome = evaluate(replace(plan(Strategy.SAFE, 0), rule=ALWAYS), 0, driver)
     assert outcome.takeover_frames == outcome.frames
+    assert (outcome.takeovers, outcome.switches) == (1, 0)
     assert outcome.squared_error_sum == 0
     assert not outcome.off_road
 
 
 def test_a_drive_ends_after_its_laps(driver: Driver) -> None:
-    short = replace(plan(Strategy.SAFE, 0), cut=1.0, laps=0.02)
+    short = replace(plan(Strategy.SAFE, 0), rule=ALWAYS, laps=0.02)
     outcome = evaluate(short, 0, driver)
     assert outcome.laps == 0.02
     assert outcome.frames < 20
+
+
+def test_the_optimal_safety_policy_leaves_the_primary_no_deviation_above_tau(
+    driver: Driver,
+) -> None:
+    """Eq. 2: what the primary drives deviates by tau at most; what is left goes to the reference."""
+    tau = 1e-4
+    rule = Rule(Strategy.OPTIMAL, tau=tau)
+    outcome = evaluate(replace(plan(Strategy.OPTIMAL, 0), rule=rule), 0, driver)
+    assert outcome.squared_error_sum <= tau * outcome.primary_frames
+    assert outcome.takeover_frames > 0
+    assert outcome.takeovers <= outcome.switches + 1

@@ -29,6 +29,8 @@ def outcomes(draw: st.DrawFn) -> Outcome:
         takeover_frames=takeover_frames,
         squared_error_sum=draw(amounts),
         primary_frames=primary_frames,
+        takeovers=draw(counts),
+        switches=draw(counts),
         off_road=draw(st.booleans()),
     )
 

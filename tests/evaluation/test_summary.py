@@ -54,6 +54,14 @@ def test_off_road_is_a_share_of_the_drives() -> None:
     assert (measure(left).drives, measure(left).frames) == (4, 2000)
 
 
+def test_takeovers_have_a_mean_length_and_drivers_change_so_often_a_lap() -> None:
+    one = outcome(laps=1.0, takeover_frames=30, primary_frames=470, takeovers=3, switches=6)
+    other = outcome(laps=2.0, takeover_frames=20, primary_frames=480, takeovers=2, switches=3)
+    pooled = measure([one, other])
+    assert (pooled.takeover_length, pooled.switches_per_lap) == (10.0, 3.0)
+    assert measure([outcome()]).takeover_length is None
+
+
 errors = st.floats(0, 4)
 
 

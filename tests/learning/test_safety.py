@@ -8,9 +8,12 @@ from hypothesis import strategies as st
 
 from pipeline.data.reading import read_columns
 from pipeline.data.writing import write_dataset
+from pipeline.learning.labels import LabelRule
 from pipeline.learning.safety import Judged, held_out_episodes, judge
 from pipeline.policies.network import PrimaryNetwork, feature_size
 from tests.episodes import random_episode
+
+RULE = LabelRule(include_brake=False, horizon=0.0, mode="last")
 
 
 def judged(lengths: list[int]) -> Judged:
@@ -26,7 +29,7 @@ def test_a_dataset_is_judged_frame_by_frame(tmp_path: Path) -> None:
     ]
     write_dataset(tmp_path / "D", episodes, record_every=3)
     primary = PrimaryNetwork(2, generator=torch.Generator().manual_seed(0))
-    seen = judge(primary, tmp_path / "D", brake_cut=0.5, include_brake=False)
+    seen = judge(primary, tmp_path / "D", brake_cut=0.5, rule=RULE)
     assert seen.features.shape == (5, feature_size(2))
     assert seen.episode_index.tolist() == [0, 0, 0, 1, 1]
     proposed = primary(
@@ -37,12 +40,25 @@ def test_a_dataset_is_judged_frame_by_frame(tmp_path: Path) -> None:
     assert seen.deviation[:3] == pytest.approx((steering - action) ** 2, abs=0.02)
 
 
+def test_labels_look_ahead_by_seconds_and_within_an_episode(tmp_path: Path) -> None:
+    """At 10 frames a second, 0.2 s are two frames."""
+    rng = np.random.default_rng(0)
+    episodes = [random_episode(rng, n, reference_only=True) for n in (4, 2)]
+    write_dataset(tmp_path / "D", episodes, record_every=3)
+    primary = PrimaryNetwork(2, generator=torch.Generator().manual_seed(0))
+    now, ahead = (
+        judge(primary, tmp_path / "D", brake_cut=0.5, rule=LabelRule(False, seconds, "last"))
+        for seconds in (0.0, 0.2)
+    )
+    assert ahead.deviation.tolist() == now.deviation[[2, 3, 3, 3, 5, 5]].tolist()
+
+
 def test_frames_without_a_label_are_refused(tmp_path: Path) -> None:
     episode = random_episode(np.random.default_rng(0), 4)
     episode.columns["queried"][:] = [[True], [False], [True], [False]]
     write_dataset(tmp_path / "raw", [episode], record_every=3)
     with pytest.raises(ValueError, match="raw: 2 frames have no label of the reference"):
-        judge(PrimaryNetwork(2), tmp_path / "raw", brake_cut=0.5, include_brake=False)
+        judge(PrimaryNetwork(2), tmp_path / "raw", brake_cut=0.5, rule=RULE)
 
 
 @given(st.lists(st.integers(1, 5), min_size=2, max_size=20), st.floats(0, 1), st.integers(0, 99))

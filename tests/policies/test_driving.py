@@ -8,7 +8,7 @@ import pytest
 from pipeline.data.schema import CONTROL_HZ, IMAGE_SHAPE
 from pipeline.policies.driving import STANDSTILL, Frame, drive
 from pipeline.policies.reference import reference_actions
-from pipeline.policies.strategies import Strategy
+from pipeline.policies.strategies import Rule, Strategy
 from pipeline.world.tracks import make_track
 from pipeline.world.world import World
 from tests.world.scenes import cars_at
@@ -26,11 +26,11 @@ def by_reference(
     return drive(
         world,
         None,
-        Strategy.REFERENCE,
-        cut=0.5,
+        Rule(Strategy.REFERENCE),
         record_every=record_every,
         laps=laps,
         seconds=seconds,
+        rng=np.random.default_rng(0),
     )
 
 

@@ -11,7 +11,7 @@ from pipeline.data.schema import CAMERA
 from pipeline.policies.inference import Driver
 from pipeline.policies.network import PrimaryNetwork, SafetyNetwork, feature_size
 from pipeline.policies.recording import Drive, Recording, in_order, record, until_queries
-from pipeline.policies.strategies import Strategy
+from pipeline.policies.strategies import Rule, Strategy
 from tests.episodes import random_episode
 
 PLAN = Drive(
@@ -19,8 +19,7 @@ PLAN = Drive(
     traffic=3,
     spread=(0.3, 0.05),
     seed=(0, 0, 0),
-    strategy=Strategy.SAFE,
-    cut=0.5,
+    rule=Rule(Strategy.SAFE, cut=0.5),
     record_every=3,
     seconds=1.0,
 )
@@ -72,7 +71,7 @@ def test_the_result_does_not_depend_on_the_number_of_workers() -> None:
 
 @pytest.mark.parametrize(("cut", "drives"), [(0.0, False), (1.0, True)])
 def test_below_the_cut_the_reference_drives_and_is_asked(cut: float, drives: bool) -> None:
-    recording = record(replace(PLAN, cut=cut), driver(), 1, 0)
+    recording = record(replace(PLAN, rule=Rule(Strategy.SAFE, cut=cut)), driver(), 1, 0)
     columns = recording.episode.columns
     assert np.all(columns["intervention"] == drives)
     assert np.all(columns["queried"] == drives)
@@ -87,9 +86,21 @@ def test_below_the_cut_the_reference_drives_and_is_asked(cut: float, drives: boo
 
 
 def test_a_dataset_never_tells_what_nobody_paid_for() -> None:
-    columns = record(replace(PLAN, strategy=Strategy.NAIVE), driver(), 1, 0).episode.columns
+    columns = record(replace(PLAN, rule=Rule(Strategy.NAIVE)), driver(), 1, 0).episode.columns
     assert not columns["queried"].any()
     assert np.isnan(columns["deviation"]).all()
+
+
+@pytest.mark.parametrize("beta", [0.0, 0.5, 1.0])
+def test_a_mixture_asks_about_every_frame_and_drives_some(beta: float) -> None:
+    """Dagger: all that is collected is a query (Sec. 2.6), whoever drove."""
+    recording = record(replace(PLAN, rule=Rule(Strategy.MIXTURE, beta=beta)), driver(), 1, 0)
+    columns = recording.episode.columns
+    assert recording.queries == len(recording.episode)
+    assert np.array_equal(columns["action"], recording.reference_actions)
+    assert not np.isnan(columns["deviation"]).any()
+    share = columns["intervention"].mean()
+    assert share == beta if beta in (0.0, 1.0) else 0 < share < 1
 
 
 @pytest.mark.parametrize(

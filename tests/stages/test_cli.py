@@ -14,6 +14,8 @@ STAGES = [
     "train-safety",
     "rollout",
     "select",
+    "rollout-dagger",
+    "sample",
     "merge",
     "ledger",
     "evaluate",
@@ -31,7 +33,7 @@ DRIVES = {
     "--seed": "0",
     "--workers": "1",
 }
-COLLECT = DRIVES | {"--episodes": "1", "--purpose": "D_0"}
+COLLECT = DRIVES | {"--episodes": "1", "--purpose": "D_0", "--iteration": "0"}
 
 
 def run(
@@ -111,6 +113,7 @@ def test_an_output_that_exists_is_left_alone(
     "arguments",
     [
         ("select", "missing", "out", "--cut", "0.5"),
+        ("sample", "missing", "out", "--frames", "3", "--seed", "0"),
         ("merge", "missing", "missing", "out"),
         ("ledger", "missing", "missing", "--metrics", "out"),
         (

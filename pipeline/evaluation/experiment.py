@@ -1,0 +1,117 @@
+"""What a comparison has come to: every training strategy, iteration and seed, from its metrics."""
+
+import re
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+from pipeline.data.ledger import Ledger
+from pipeline.evaluation.outcomes import Outcome, read_outcomes
+from pipeline.evaluation.results import MetricsFile, SafetyQuality
+
+RUNS = {
+    "supervised": "supervised",
+    "dagger": "DAgger",
+    "dagger_budget": "DAgger, SafeDAgger's queries",
+    "safedagger": "SafeDAgger",
+    "safedagger_last": "SafeDAgger, 1 s ahead (last)",
+    "safedagger_max": "SafeDAgger, 1 s ahead (max)",
+    "safedagger_rising": "SafeDAgger, rising tau",
+}
+"""The branches of the comparison, in the order of the report, and their names there."""
+
+_DRIVES = re.compile(r"drives_(?:(?P<run>[a-z_]+)_)?(?P<iteration>\d+)\.csv")
+_SEED = re.compile(r"seed_(?P<seed>\d+)")
+
+
+@dataclass(frozen=True)
+class Step:
+    """One iteration of one run on one seed."""
+
+    seed: int
+    run: str
+    """one of RUNS"""
+    iteration: int
+    """0 is the supervised stage, which the runs of a seed share"""
+    drives: list[Outcome]
+    """on the test tracks, with every driving strategy"""
+    ledger: Ledger
+    """what this iteration cost; that of D_0 in iteration 0, which is outside the loop"""
+    held_out: SafetyQuality
+    """of its safety policy"""
+
+
+@dataclass(frozen=True)
+class Experiment:
+    """All steps, by (seed, run, iteration)."""
+
+    steps: Mapping[tuple[int, str, int], Step]
+
+    @property
+    def seeds(self) -> list[int]:
+        """Every seed with any results, ascending."""
+        return sorted({seed for seed, _, _ in self.steps})
+
+    @property
+    def runs(self) -> list[str]:
+        """Every run that has a result, in the order of RUNS."""
+        present = {run for _, run, _ in self.steps}
+        return [run for run in RUNS if run in present]
+
+    def of(self, run: str, iteration: int) -> list[Step]:
+        """The steps of a run's iteration, one for each seed that has it, by seed."""
+        keys = ((seed, run, iteration) for seed in self.seeds)
+        return [self.steps[key] for key in keys if key in self.steps]
+
+    def iterations(self, run: str) -> list[int]:
+        """The iterations that a run has on any seed, ascending."""
+        return sorted({iteration for _, name, iteration in self.steps if name == run})
+
+    def queries(self, seed: int, run: str, iteration: int) -> int:
+        """Queries of the loop up to and with this iteration; D_0's and D_safe's are not of the loop."""
+        return sum(
+            self.steps[seed, run, number].ledger.queries for number in range(1, iteration + 1)
+        )
+
+
+def read_experiment(metrics: Path) -> Experiment:
+    """Read every seed and run that `metrics` has: seed_<n>/drives_<run>_<i>.csv and its companions.
+
+    A run's iteration 0 is the seed's own, unless the run has files of its own for it.
+
+    Raises:
+        ValueError: there is none, or a file does not hold what it should.
+        FileNotFoundError: a companion of a file of drives is missing.
+    """
+    steps = {}
+    for folder in sorted(metrics.glob("seed_*")):
+        named = _SEED.fullmatch(folder.name)
+        if named:
+            for step in _steps(folder, int(named["seed"])):
+                steps[step.seed, step.run, step.iteration] = step
+    if not steps:
+        raise ValueError(f"{metrics}: no seed_<n>/drives_<run>_<i>.csv, expected some")
+    return Experiment(steps)
+
+
+def _steps(folder: Path, seed: int) -> Iterator[Step]:
+    named = [match for file in sorted(folder.iterdir()) if (match := _DRIVES.fullmatch(file.name))]
+    loops = {(match["run"], int(match["iteration"])) for match in named if match["run"] in RUNS}
+    for run in {run for run, iteration in loops if iteration > 0}:
+        own = (run, 0) in loops
+        yield _step(folder, seed, run, 0, f"{run}_0" if own else "0")
+    for run, iteration in sorted(loops):
+        if iteration > 0:
+            yield _step(folder, seed, run, iteration, f"{run}_{iteration}")
+
+
+def _step(folder: Path, seed: int, run: str, iteration: int, name: str) -> Step:
+    ledger = f"ledger_D_{name}.json" if iteration else "ledger_D_0.json"
+    return Step(
+        seed=seed,
+        run=run,
+        iteration=iteration,
+        drives=read_outcomes(folder / f"drives_{name}.csv"),
+        ledger=MetricsFile(folder / ledger).record(Ledger),
+        held_out=MetricsFile(folder / f"safety_{name}.json").record(SafetyQuality, "held_out"),
+    )

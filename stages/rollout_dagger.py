@@ -1,0 +1,69 @@
+"""DAgger's line 6 (Sec. 2.6): collect D' with a mixture of reference and primary, all labelled."""
+
+from collections.abc import Iterator
+from itertools import count
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from stages import options
+
+if TYPE_CHECKING:
+    from pipeline.data.schema import Episode
+
+app = typer.Typer()
+
+
+@app.command()
+def rollout_dagger(
+    primary: options.Primary,
+    output: options.Output,
+    tracks: options.Tracks,
+    traffic: options.Traffic,
+    beta: Annotated[
+        float, typer.Option(min=0, max=1, help="Probability that the reference drives a frame.")
+    ],
+    frames: Annotated[int, typer.Option(min=1, help="How many frames to drive: each is a query.")],
+    seconds: options.Seconds,
+    offset_spread: options.OffsetSpread,
+    angle_spread: options.AngleSpread,
+    record_every: options.RecordEvery,
+    iteration: Annotated[int, typer.Option(min=1, help="The iteration that this is for.")],
+    seed: options.Seed,
+    workers: options.Workers,
+) -> None:
+    """Drive with DAgger's mixture and ask the reference about every frame (Sec. 2.6)."""
+    from pipeline.data.writing import write_dataset
+    from pipeline.output import refuse_existing
+    from pipeline.policies.inference import Driver
+    from pipeline.policies.recording import SEED_STREAMS, Drive, in_order, record, until_queries
+    from pipeline.policies.strategies import Rule, Strategy
+
+    refuse_existing(output)
+    driver = Driver.load(primary)
+    names = options.names(tracks)
+
+    def plan(number: int) -> Drive:
+        return Drive(
+            track=names[number % len(names)],
+            traffic=traffic,
+            spread=(offset_spread, angle_spread),
+            seed=(seed, SEED_STREAMS["rollout"] + iteration, number),
+            rule=Rule(Strategy.MIXTURE, beta=beta),
+            record_every=record_every,
+            seconds=seconds,
+        )
+
+    for number in range(len(names)):
+        plan(number)  # refuses bad numbers before anything is begun
+
+    def driven() -> Iterator["Episode"]:
+        asked = 0
+        jobs = ((plan(number), driver, iteration, number) for number in count())
+        with options.progress("frames", frames) as advance_to:
+            for recording in until_queries(in_order(record, jobs, workers), frames, frames):
+                yield recording.episode
+                asked += recording.queries
+                advance_to(asked)
+
+    typer.echo(write_dataset(output, driven(), record_every=record_every))
