@@ -94,8 +94,9 @@ def read_results(metrics: Path, iterations: int) -> Results:
 
 
 def _iteration(metrics: Path, number: int, last: int) -> Iteration:
-    driving = MetricsFile(metrics / f"driving_{number}.json")
-    safety = MetricsFile(metrics / f"safety_{number}.json")
+    step = _step(number)
+    driving = MetricsFile(metrics / f"driving_{step}.json")
+    safety = MetricsFile(metrics / f"safety_{step}.json")
     return Iteration(
         number=number,
         driving={
@@ -105,16 +106,21 @@ def _iteration(metrics: Path, number: int, last: int) -> Iteration:
             }
             for strategy in STRATEGIES
         },
-        drives=_drives(metrics / f"drives_{number}.csv"),
-        ledger=MetricsFile(metrics / f"ledger_D_{number}.json").record(Ledger),
+        drives=_drives(metrics / f"drives_{step}.csv"),
+        ledger=MetricsFile(metrics / f"ledger_D_{step}.json").record(Ledger),
         tau=safety.number("tau"),
         held_out=safety.record(SafetyQuality, "held_out"),
-        next_rollout=MetricsFile(metrics / f"rollout_{number + 1}.json").record(
+        next_rollout=None
+        if number == last
+        else MetricsFile(metrics / f"rollout_{_step(number + 1)}.json").record(
             SafetyQuality, "rollout"
-        )
-        if number < last
-        else None,
+        ),
     )
+
+
+def _step(iteration: int) -> str:
+    """As dvc.yaml calls it."""
+    return f"safedagger_{iteration}" if iteration else "0"
 
 
 def _drives(path: Path) -> list[Outcome]:

@@ -87,8 +87,9 @@ def quality(auroc: float | None) -> dict[str, float | None]:
 def write_run(metrics: Path, plan: Mapping = GOOD, iterations: int = 3) -> Path:
     """Every file that the report reads."""
     for i in range(iterations + 1):
-        write_outcomes(metrics / f"drives_{i}.csv", drives(i, plan))
-        write_metrics(metrics / f"driving_{i}.json", summarise(drives(i, plan)))
+        step = f"safedagger_{i}" if i else "0"
+        write_outcomes(metrics / f"drives_{step}.csv", drives(i, plan))
+        write_metrics(metrics / f"driving_{step}.json", summarise(drives(i, plan)))
         ledger = {
             "frames_driven": 3600 + 10 * i,
             "queries": 3600 if i == 0 else 1400 - 300 * i,
@@ -96,12 +97,12 @@ def write_run(metrics: Path, plan: Mapping = GOOD, iterations: int = 3) -> Path:
             "frames_trained": 3600 + sum(1400 - 300 * j for j in range(1, i + 1)),
             "takeover": 1.0 if i == 0 else (1400 - 300 * i) / (3600 + 10 * i),
         }
-        write_metrics(metrics / f"ledger_D_{i}.json", ledger)
+        write_metrics(metrics / f"ledger_D_{step}.json", ledger)
         safety = {"tau": 0.0025, "held_out": quality(0.9)}
-        write_metrics(metrics / f"safety_{i}.json", safety)
+        write_metrics(metrics / f"safety_{step}.json", safety)
         if i > 0:
             rollout = {"tau": 0.0025, "rollout": quality(0.8 - i / 50)}
-            write_metrics(metrics / f"rollout_{i}.json", rollout)
+            write_metrics(metrics / f"rollout_{step}.json", rollout)
     d_safe = {"frames_selected": 1201, "frames_trained": 1201, "takeover": 1.0}
     d_safe |= {"frames_driven": 1201, "queries": 1201}
     write_metrics(metrics / "ledger_D_safe.json", d_safe)

@@ -54,7 +54,7 @@ def test_one_row_reads_as_expected(tmp_path: Path) -> None:
     write_outcomes(tmp_path / "drives.csv", [outcome(damage=0.1, traffic=40)])
     header, row = (tmp_path / "drives.csv").read_text().splitlines()
     assert header == ",".join(field.name for field in fields(Outcome))
-    assert row == "yew,40,naive,0,1.5,0.1,500,0,5.0,500,true"
+    assert row == "yew,40,naive,0,1.5,0.1,500,0,5.0,500,0,0,true"
 
 
 @pytest.mark.parametrize(

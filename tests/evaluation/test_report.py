@@ -163,7 +163,7 @@ def test_the_stage_writes_all_or_refuses(tmp_path: Path) -> None:
 
 
 def test_the_stage_writes_nothing_on_bad_metrics(tmp_path: Path) -> None:
-    (write_run(tmp_path / "metrics") / "rollout_3.json").unlink()
+    (write_run(tmp_path / "metrics") / "rollout_safedagger_3.json").unlink()
     arguments = ["--metrics", str(tmp_path / "metrics"), "--iterations", "3"]
     arguments += ["--output", str(tmp_path / "report.md"), "--figures", str(tmp_path / "figures")]
     result = CliRunner().invoke(app, arguments)

@@ -32,7 +32,13 @@ def test_fewer_iterations_can_be_read(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize(
     "name",
-    ["driving_1.json", "drives_0.csv", "ledger_D_safe.json", "safety_3.json", "rollout_2.json"],
+    [
+        "driving_safedagger_1.json",
+        "drives_0.csv",
+        "ledger_D_safe.json",
+        "safety_safedagger_3.json",
+        "rollout_safedagger_2.json",
+    ],
 )
 def test_a_missing_file_is_named(tmp_path: Path, name: str) -> None:
     (write_run(tmp_path) / name).unlink()
@@ -43,17 +49,27 @@ def test_a_missing_file_is_named(tmp_path: Path, name: str) -> None:
 @pytest.mark.parametrize(
     ("name", "keys", "value", "problem"),
     [
-        ("ledger_D_1.json", ("queries",), None, "queries is null, expected a number"),
-        ("ledger_D_1.json", ("queries",), "9", 'queries is "9", expected a number'),
+        ("ledger_D_safedagger_1.json", ("queries",), None, "queries is null, expected a number"),
+        ("ledger_D_safedagger_1.json", ("queries",), "9", 'queries is "9", expected a number'),
         ("safety_0.json", ("held_out",), {}, "held_out.auroc is nothing, expected a number"),
-        ("rollout_1.json", ("rollout",), 3, "rollout.auroc is nothing, expected a number"),
         (
-            "driving_2.json",
+            "rollout_safedagger_1.json",
+            ("rollout",),
+            3,
+            "rollout.auroc is nothing, expected a number",
+        ),
+        (
+            "driving_safedagger_2.json",
             ("naive", "traffic", "laps"),
             True,
             "naive.traffic.laps is true, expected a number",
         ),
-        ("driving_2.json", ("safe",), {}, "safe.no_traffic.laps is nothing, expected a number"),
+        (
+            "driving_safedagger_2.json",
+            ("safe",),
+            {},
+            "safe.no_traffic.laps is nothing, expected a number",
+        ),
     ],
 )
 def test_a_wrong_value_is_named(
@@ -82,7 +98,9 @@ def test_a_file_that_is_no_json_object(tmp_path: Path, content: str) -> None:
 
 
 def test_a_case_without_drives_is_named(tmp_path: Path) -> None:
-    path = write_run(tmp_path) / "drives_2.csv"
+    path = write_run(tmp_path) / "drives_safedagger_2.csv"
     write_outcomes(path, [d for d in drives(2) if d.traffic == 0 or d.track != "yew"])
-    with pytest.raises(ValueError, match=r"drives_2.csv: no drive of naive, traffic, yew"):
+    with pytest.raises(
+        ValueError, match=r"drives_safedagger_2.csv: no drive of naive, traffic, yew"
+    ):
         read_results(tmp_path, 3)

@@ -10,18 +10,42 @@ import pytest
 import yaml
 
 HOUSE = Path(__file__).parents[2]
+STEPS = ["safedagger_1", "safedagger_2", "dagger_1", "supervised_1"]
+LABELS = {"tau": 0.0025, "horizon": 0, "horizon-mode": "last"}
+ALL = "naive,safe,optimal"
 TINY = {
     "tracks": {"training": "alder,birch", "test": "yew"},
-    "iterations": {
-        "1": {"previous": "0", "queries": 12, "passes": 128},
-        "2": {"previous": "1", "queries": 12, "passes": 128},
+    "rollouts": {
+        "safedagger_1": {"iteration": 1, "primary": "0", "safety": "0", "queries": 12},
+        "safedagger_2": {
+            "iteration": 2,
+            "primary": "safedagger_1",
+            "safety": "safedagger_1",
+            "queries": 12,
+        },
     },
-    "trained": ["0", "1", "2"],
-    "ledgers": {
-        "D_0": {"raw": "D_0"},
-        "D_safe": {"raw": "D_safe"},
-        "D_1": {"raw": "rollout_1"},
-        "D_2": {"raw": "rollout_2"},
+    "dagger": {
+        "dagger_1": {"iteration": 1, "previous": "0", "beta": 0, "frames": 30, "sample": 12}
+    },
+    "supervised": {"supervised_1": {"iteration": 1, "episodes": 2}},
+    "steps": {
+        step: {"previous": "safedagger_1" if step == "safedagger_2" else "0", "passes": 128}
+        for step in STEPS
+    },
+    "safeties": {
+        step: {"primary": step, "labels": LABELS, "strategies": ALL} for step in ["0", *STEPS]
+    }
+    | {
+        "ahead": {
+            "primary": "0",
+            "labels": LABELS | {"horizon": 0.5, "horizon-mode": "max"},
+            "strategies": "safe",
+        }
+    },
+    "ledgers": {"0": {"driven": "D_0"}, "safe": {"driven": "D_safe"}}
+    | {
+        step: {"driven": f"{'new' if step == 'supervised_1' else 'rollout'}_{step}"}
+        for step in STEPS
     },
     "report": {"iterations": 2},
     "drive": {"traffic": 3},
@@ -31,8 +55,11 @@ TINY = {
     "train-primary": {"channels": 4},
     "train-safety": {"passes": 256, "hidden": 8, "cut": 1.0},
     "rollout": {"frames": 60, "seconds": 2},
-    "evaluate": {"traffic": 2, "laps": 0.05, "seconds": 2},
+    "rollout-dagger": {"seconds": 2},
+    "collect-supervised": {"seconds": 1},
+    "evaluate": {"traffic": 2, "laps": 0.05, "seconds": 2, "starts": 1},
 }
+LOOPS = ("rollouts", "dagger", "supervised", "steps", "safeties", "ledgers")
 
 
 @pytest.fixture(scope="module")
@@ -43,7 +70,7 @@ def house(tmp_path_factory: pytest.TempPathFactory) -> Path:
         (root / name).symlink_to(HOUSE / name)
     params = yaml.safe_load((HOUSE / "params.yaml").read_text())
     for group, values in TINY.items():
-        keep = isinstance(values, dict) and group not in ("iterations", "ledgers")
+        keep = group not in LOOPS
         params[group] = params[group] | values if keep else values
     (root / "params.yaml").write_text(yaml.safe_dump(params))
     dvc(root, "init", "--no-scm")
@@ -76,20 +103,38 @@ def test_what_was_selected_is_what_was_queried_is_what_was_merged(house: Path) -
     from pipeline.data.reading import read_columns
 
     before = len(read_columns(house / "datasets" / "D_0")["episode_index"])
-    for i in (1, 2):
-        raw = read_columns(house / "datasets" / f"rollout_{i}")
-        selected = read_columns(house / "datasets" / f"selected_{i}")
-        after = len(read_columns(house / "datasets" / f"D_{i}")["episode_index"])
+    for step in ("safedagger_1", "safedagger_2"):
+        raw = read_columns(house / "datasets" / f"rollout_{step}")
+        selected = read_columns(house / "datasets" / f"new_{step}")
+        after = len(read_columns(house / "datasets" / f"D_{step}")["episode_index"])
         queries = int(raw["queried"].sum())
         assert queries == len(selected["episode_index"]) == after - before
-        assert metric(house, f"ledger_D_{i}")["queries"] == queries
+        assert metric(house, f"ledger_D_{step}")["queries"] == queries
         before = after
+
+
+def test_dagger_pays_for_all_that_it_collects_and_trains_on_a_sample(house: Path) -> None:
+    ledger = metric(house, "ledger_D_dagger_1")
+    assert ledger["queries"] == ledger["frames_driven"] == 30
+    assert ledger["frames_selected"] == 12
+    assert ledger["takeover"] == 0
+
+
+def test_supervised_learning_pays_for_what_the_reference_drives(house: Path) -> None:
+    ledger = metric(house, "ledger_D_supervised_1")
+    assert ledger["queries"] == ledger["frames_driven"] == ledger["frames_selected"] == 20
+    assert ledger["takeover"] == 1
+
+
+def test_all_strategies_are_evaluated(house: Path) -> None:
+    assert set(metric(house, "driving_dagger_1")) == {"naive", "safe", "optimal"}
+    assert set(metric(house, "driving_ahead")) == {"safe"}
 
 
 def test_the_report_stands_on_the_metrics(house: Path) -> None:
     report = (house / "cards" / "report.md").read_text()
     assert "D_safe" in report
-    assert metric(house, "driving_2")["naive"]["traffic"]["laps"] >= 0
+    assert metric(house, "driving_safedagger_2")["naive"]["traffic"]["laps"] >= 0
 
 
 def test_a_second_repro_does_nothing(house: Path) -> None:
@@ -99,13 +144,13 @@ def test_a_second_repro_does_nothing(house: Path) -> None:
 def test_a_change_in_iteration_2_runs_only_what_follows(house: Path) -> None:
     params = house / "params.yaml"
     before = params.read_text()
-    params.write_text(
-        before.replace("passes: 128", "passes: 64", 2).replace("passes: 64", "passes: 128", 1)
-    )
+    changed = yaml.safe_load(before)
+    changed["steps"]["safedagger_2"]["passes"] = 64
+    params.write_text(yaml.safe_dump(changed))
     try:
         plan = dvc(house, "repro", "--dry")
     finally:
         params.write_text(before)
     stages = {line.split("'")[1] for line in plan.splitlines() if line.startswith("Running stage")}
-    assert "train-primary@2" in stages
-    assert not {name for name in stages if name.endswith(("@0", "@1", "_0", "-0"))}
+    assert "train-primary@safedagger_2" in stages
+    assert {name.split("@")[-1] for name in stages} <= {"safedagger_2", "report"}
