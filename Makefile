@@ -7,9 +7,16 @@ PYTHONS = python3.12 python3 python "$$(uv python find --no-python-downloads 3.1
 IS_3_12 = -c 'import sys; sys.exit(sys.version_info[:2] != (3, 12))'
 WHEELS = --only-binary :all: --no-binary antlr4-python3-runtime
 
-.PHONY: repro test lint
+.PHONY: repro experiment test lint
 
 repro: .venv/.ready
+	dvc repro
+
+# The comparison on one seed, e.g. `make experiment SEED=1`: all strategies beside each other.
+SEED = 0
+SCALE = experiment
+experiment: .venv/.ready
+	sed 's/^seed: .*/seed: $(SEED)/' scales/$(SCALE).yaml > params.yaml
 	dvc repro
 
 test: .venv/.ready

@@ -1,0 +1,83 @@
+"""The parameter files: one pipeline, run small, as a comparison, and at the paper's scale."""
+
+from pathlib import Path
+from typing import Any
+
+import pytest
+import yaml
+
+ROOT = Path(__file__).parent.parent
+LOOPS = ("rollouts", "dagger", "supervised", "steps", "safeties", "ledgers")
+FILES = ["params.yaml", "scales/experiment.yaml", "scales/paper.yaml"]
+
+
+def read(name: str) -> dict[str, Any]:
+    return yaml.safe_load((ROOT / name).read_text())
+
+
+@pytest.mark.parametrize("name", FILES)
+def test_every_scale_has_the_same_options(name: str) -> None:
+    found, expected = read(name), read("params.yaml")
+    assert found.keys() == expected.keys()
+    for group, options in expected.items():
+        if isinstance(options, dict) and group not in LOOPS:
+            assert found[group].keys() == options.keys(), group
+
+
+@pytest.mark.parametrize("name", FILES)
+def test_every_step_has_what_it_needs(name: str) -> None:
+    """Its predecessor, one source of new data, a safety policy that is evaluated, and a ledger."""
+    scale = read(name)
+    steps, primaries = scale["steps"], {"0", *scale["steps"]}
+    sources = [*scale["rollouts"], *scale["dagger"], *scale["supervised"]]
+    assert sorted(sources) == sorted(steps)
+    assert {step["previous"] for step in steps.values()} <= primaries
+    assert primaries <= set(scale["safeties"])
+    assert {safety["primary"] for safety in scale["safeties"].values()} <= primaries
+    assert set(scale["ledgers"]) == primaries | {"safe"}
+    for step, rollout in scale["rollouts"].items():
+        assert rollout["primary"] == steps[step]["previous"]
+        assert scale["safeties"][rollout["safety"]]["primary"] == rollout["primary"]
+    for step, rollout in scale["dagger"].items():
+        assert rollout["previous"] == steps[step]["previous"]
+
+
+@pytest.mark.parametrize("name", FILES)
+def test_iterations_follow_each_other(name: str) -> None:
+    """Step <run>_<i> is iteration i, after <run>_<i - 1> or the supervised stage."""
+    scale = read(name)
+    for loop in ("rollouts", "dagger", "supervised"):
+        for step, settings in scale[loop].items():
+            run, number = step.rsplit("_", 1)
+            assert settings["iteration"] == int(number)
+            before = f"{run}_{int(number) - 1}" if number != "1" else "0"
+            assert scale["steps"][step]["previous"] == before
+
+
+def test_the_comparison_is_the_default_run_with_more_strategies_beside_it() -> None:
+    default, comparison = read("params.yaml"), read("scales/experiment.yaml")
+    for group in ("rollouts", "steps", "ledgers"):
+        assert default[group].items() <= comparison[group].items()
+    for name, safety in default["safeties"].items():
+        assert safety["labels"] == comparison["safeties"][name]["labels"]
+    assert comparison["evaluate"] == default["evaluate"] | {"starts": 1}
+    assert all(
+        comparison[group] == default[group]
+        for group in default
+        if group not in LOOPS and group != "evaluate"
+    )
+
+
+def test_all_strategies_train_on_as_many_new_frames() -> None:
+    """Sec. 4.2: 30k, 30k and 10k, whoever chose them; at the default scale a tenth."""
+    for name, unit in (("scales/experiment.yaml", 1000), ("scales/paper.yaml", 10_000)):
+        scale = read(name)
+        budgets = dict(zip((1, 2, 3), (3 * unit, 3 * unit, unit), strict=True))
+        for rollout in scale["rollouts"].values():
+            assert rollout["queries"] == budgets[rollout["iteration"]]
+        for rollout in scale["dagger"].values():
+            assert rollout["sample"] == budgets[rollout["iteration"]]
+        frames = scale["collect-supervised"]["seconds"] * 30 / scale["drive"]["record-every"]
+        for drives in scale["supervised"].values():
+            wanted = budgets[drives["iteration"]]
+            assert wanted <= drives["episodes"] * frames < wanted + frames
