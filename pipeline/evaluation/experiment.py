@@ -81,7 +81,7 @@ def read_experiment(metrics: Path) -> Experiment:
 
     Raises:
         ValueError: there is none, or a file does not hold what it should.
-        FileNotFoundError: a companion of a file of drives is missing.
+        FileNotFoundError: a companion of a file of drives is missing, or an iteration before it.
     """
     steps = {}
     for folder in sorted(metrics.glob("seed_*")):
@@ -95,13 +95,13 @@ def read_experiment(metrics: Path) -> Experiment:
 
 
 def _steps(folder: Path, seed: int) -> Iterator[Step]:
-    named = [match for file in sorted(folder.iterdir()) if (match := _DRIVES.fullmatch(file.name))]
-    loops = {(match["run"], int(match["iteration"])) for match in named if match["run"] in RUNS}
-    for run in {run for run, iteration in loops if iteration > 0}:
-        own = (run, 0) in loops
+    named = [match for file in folder.iterdir() if (match := _DRIVES.fullmatch(file.name))]
+    found = {(match["run"], int(match["iteration"])) for match in named if match["run"] in RUNS}
+    for run in sorted({run for run, iteration in found if iteration > 0}):
+        last = max(iteration for other, iteration in found if other == run)
+        own = (run, 0) in found
         yield _step(folder, seed, run, 0, f"{run}_0" if own else "0")
-    for run, iteration in sorted(loops):
-        if iteration > 0:
+        for iteration in range(1, last + 1):
             yield _step(folder, seed, run, iteration, f"{run}_{iteration}")
 
 

@@ -3,6 +3,7 @@
 In the shapes, N is the number of drives, K of columns, R of resamples.
 """
 
+from collections import Counter
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
@@ -106,12 +107,15 @@ def _estimate(
 
 
 def _resample(strata: Sequence[tuple[int, str]], generator: np.random.Generator) -> np.ndarray:
-    """How often each drive is drawn, (R, N): first seeds, then drives of each drawn seed's tracks.
+    """How often each drive is drawn, (R, N): first seeds, then drives of each drawn seed's tracks,
+    or of all its tracks together where one of them has a single drive.
 
     `scipy.stats.bootstrap` knows no such levels. One less is drawn than there are (Rao and Wu
     1988), at both levels: with the usual number, two or three seeds or starts give intervals that
     are far too narrow. Of one alone nothing can be said: it is always drawn.
     """
+    if min(Counter(strata).values()) == 1:
+        strata = [(seed, "") for seed, _ in strata]
     seeds = sorted({seed for seed, _ in strata})
     drawn = dict(zip(seeds, _draw(np.ones(RESAMPLES, int), len(seeds), generator), strict=True))
     counts = np.empty((RESAMPLES, len(strata)), dtype=int)
@@ -122,5 +126,5 @@ def _resample(strata: Sequence[tuple[int, str]], generator: np.random.Generator)
 
 
 def _draw(times: np.ndarray, size: int, generator: np.random.Generator) -> np.ndarray:
-    """How often each of `size` is drawn, (size, R), where all are resampled `times` (R,) over."""
+    """How often each of `size` is drawn, (size, R), where they are resampled `times` (R,)."""
     return generator.multinomial(times * max(size - 1, 1), np.full(size, 1 / size)).T

@@ -1,0 +1,87 @@
+"""What a verdict is made of: comparisons that hold, do not hold, or are open.
+
+*Surely* means by the whole 95 % interval of a paired difference. Laps are the mean over the drives,
+as in the paper: an interquartile mean would leave out the quarter of the drives that failed.
+"""
+
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+
+from pipeline.evaluation.comparison import Cell, Contrast, contrast
+from pipeline.evaluation.experiment import Experiment
+from pipeline.evaluation.summary import LAPS
+from pipeline.evaluation.wording import amount, laps, share
+
+MARGIN = 0.1
+"""[laps] a smaller difference counts as none, where that is the question"""
+PAIRS = 6
+"""fewer prove nothing: of five, all point the same way by chance once in sixteen times"""
+FORMS: dict[str, tuple[Callable[[float], str], float, str]] = {
+    "laps": (laps, 1, "+z.2f"),
+    "takeover": (share, 100, "+z.1f"),
+    "steering_mse": (amount, 1, "+z.2g"),
+}
+"""of a metric: form of a value; scale and form of a difference"""
+
+
+@dataclass(frozen=True)
+class Finding:
+    """Something that was looked at, and the numbers."""
+
+    holds: bool | None
+    """None: open"""
+    evidence: str
+
+
+type Judge = Callable[[Contrast], bool | None]
+
+
+def rises(found: Contrast) -> bool | None:
+    """Surely larger than the baseline (low > 0), or surely not (high <= 0)."""
+    return True if found.difference.low > 0 else False if found.difference.high <= 0 else None
+
+
+def falls(found: Contrast) -> bool | None:
+    """Surely smaller than the baseline (high < 0), or surely not (low >= 0)."""
+    return True if found.difference.high < 0 else False if found.difference.low >= 0 else None
+
+
+def rises_or_is_full(found: Contrast) -> bool | None:
+    """Of laps: rises, or all LAPS are done in every drive."""
+    return found.value >= LAPS or rises(found)
+
+
+def exceeds(found: Contrast) -> bool | None:
+    """Of laps: surely not by more than MARGIN (high <= MARGIN), or else surely (low > 0)."""
+    return False if found.difference.high <= MARGIN else rises(found)
+
+
+def opposite(finding: Finding) -> Finding:
+    """Holds where the other does not."""
+    return Finding(None if finding.holds is None else not finding.holds, finding.evidence)
+
+
+def all_of(findings: Iterable[Finding]) -> Finding:
+    """Holds where all do; does not hold where one does not."""
+    parts = list(findings)
+    states = {part.holds for part in parts}
+    holds = False if False in states else True if states == {True} else None
+    return Finding(holds, "; ".join(part.evidence for part in parts))
+
+
+def compare(
+    experiment: Experiment, words: str, metric: str, cell: Cell, baseline: Cell, judge: Judge
+) -> Finding:
+    """A metric in a cell against another, as the judge says; open where PAIRS are not there."""
+    found = contrast(experiment, metric, cell, baseline)
+    if found is None:
+        return Finding(None, f"{words}: not measured")
+    form, scale, spec = FORMS[metric]
+    gap = found.difference
+    enough = gap.count >= PAIRS
+    value, low, high = (f"{scale * each:{spec}}" for each in (gap.value, gap.low, gap.high))
+    return Finding(
+        judge(found) if enough else None,
+        f"{words}: {form(found.value)} against {form(found.baseline)} "
+        f"({value} [{low}, {high}], {gap.count} pairs{'' if enough else ': too few'})",
+    )

@@ -1,0 +1,165 @@
+"""The rules by which claims about whole loops are judged."""
+
+import math
+from itertools import product
+
+from pipeline.evaluation.comparison import Cell, contrast, estimate
+from pipeline.evaluation.experiment import RUNS, Experiment
+from pipeline.evaluation.findings import (
+    MARGIN,
+    PAIRS,
+    Finding,
+    all_of,
+    compare,
+    exceeds,
+    falls,
+    rises_or_is_full,
+)
+from pipeline.evaluation.summary import CONDITIONS, LAPS, condition
+from pipeline.evaluation.wording import CONDITION_WORDS, count, laps
+from pipeline.policies.strategies import Strategy
+
+ITERATIONS = 3
+"""of a whole loop, as in the paper (Sec. 4.2)"""
+START, LOOP, LAST = (0,), tuple(range(1, ITERATIONS + 1)), (ITERATIONS,)
+
+
+def is_whole(experiment: Experiment, seed: int, run: str) -> bool:
+    """Iterations 0 to ITERATIONS are there, with naive and safe drives in both conditions."""
+    needed = set(product((Strategy.NAIVE, Strategy.SAFE), CONDITIONS))
+    steps = [experiment.steps.get((seed, run, i)) for i in (*START, *LOOP)]
+    return all(
+        step and needed <= {(drive.strategy, condition(drive)) for drive in step.drives}
+        for step in steps
+    )
+
+
+def arrives_first(experiment: Experiment) -> Finding:
+    """On every seed, all naive drives of SafeDAgger do LAPS after some iteration, and those of
+    DAgger not yet; does not hold where that is so on no seed.
+    """
+    first, numbers = set(), []
+    for seed in experiment.seeds:
+        ours, theirs = (_arrival(experiment, seed, run) for run in ("safedagger", "dagger"))
+        first.add(ours < theirs)
+        when = ["never" if i == math.inf else f"after iteration {i}" for i in (ours, theirs)]
+        numbers.append(f"seed {seed}: SafeDAgger {when[0]}, DAgger {when[1]}")
+    return Finding(first.pop() if len(first) == 1 else None, "; ".join(numbers))
+
+
+def falls_faster(experiment: Experiment, metric: str, strategy: Strategy) -> Finding:
+    """In each condition a metric of SafeDAgger surely falls from iteration 0 to the last, and is
+    surely lower in its loop, all iterations together, than in DAgger's: both begin at the same
+    iteration 0, so that lower on the way is faster.
+    """
+
+    def cell(run: str, iterations: tuple[int, ...], where: str) -> Cell:
+        return Cell(run, iterations, strategy, (where,))
+
+    return all_of(
+        compare(
+            experiment,
+            f"{CONDITION_WORDS[where]}, {words}",
+            metric,
+            cell("safedagger", iterations, where),
+            cell(run, others, where),
+            falls,
+        )
+        for where in CONDITIONS
+        for words, iterations, run, others in (
+            (f"iteration {ITERATIONS} against 0", LAST, "safedagger", START),
+            (f"iterations 1 to {ITERATIONS} against DAgger's", LOOP, "dagger", LOOP),
+        )
+    )
+
+
+def is_ahead(experiment: Experiment, run: str, other: str) -> Finding:
+    """After the last iteration a run's naive laps, over both conditions, exceed another's: surely
+    by more than 0, and not surely by MARGIN at most.
+    """
+    return compare(
+        experiment,
+        f"{RUNS[run]} against {RUNS[other]}, iteration {ITERATIONS}",
+        "laps",
+        _naive(run, ITERATIONS),
+        _naive(other, ITERATIONS),
+        exceeds,
+    )
+
+
+def improves(experiment: Experiment, run: str) -> Finding:
+    """From iteration 0 to the last, in each condition, the naive laps surely rise or all drives do
+    LAPS in the end, and the takeover of safe surely falls.
+    """
+    return all_of(
+        compare(
+            experiment,
+            f"{CONDITION_WORDS[where]}, {metric} of {strategy}, iteration {ITERATIONS} against 0",
+            metric,
+            Cell(run, LAST, strategy, (where,)),
+            Cell(run, START, strategy, (where,)),
+            judge,
+        )
+        for where in CONDITIONS
+        for metric, strategy, judge in (
+            ("laps", Strategy.NAIVE, rises_or_is_full),
+            ("takeover", Strategy.SAFE, falls),
+        )
+    )
+
+
+def needs_fewer_queries(experiment: Experiment, rival: str) -> Finding:
+    """SafeDAgger gets as far as a rival at its best, for fewer queries of the loop.
+
+    The rival's best is the iteration of its loop with the most naive laps, over both conditions.
+    An iteration of SafeDAgger gets as far if its laps lack at most MARGIN to that: surely, by the
+    low end of the difference, or possibly, by the high end. Holds where one surely does for fewer
+    queries than the rival's best took; does not hold where none possibly does for fewer.
+    """
+    best = max(LOOP, key=lambda i: _laps(experiment, rival, i))
+    spent = _queries(experiment, rival, best)
+    surely = possibly = math.inf
+    for i in reversed(LOOP):  # queries only grow: the first iteration is the cheapest
+        gap = contrast(experiment, "laps", _naive("safedagger", i), _naive(rival, best))
+        if gap is None or gap.difference.count < PAIRS:
+            return Finding(None, f"fewer than {PAIRS} starts that both were given")
+        asked = _queries(experiment, "safedagger", i)
+        surely = asked if gap.difference.low >= -MARGIN else surely
+        possibly = asked if gap.difference.high >= -MARGIN else possibly
+    return Finding(
+        True if surely < spent else None if possibly < spent else False,
+        f"{RUNS[rival]} at its best: {laps(_laps(experiment, rival, best))} laps after "
+        f"{count(round(spent))} queries; SafeDAgger as far, within {MARGIN:g}: surely "
+        f"{_after(surely, spent)}, possibly {_after(possibly, spent)}",
+    )
+
+
+def _arrival(experiment: Experiment, seed: int, run: str) -> float:
+    """The first iteration after which each naive drive does LAPS; infinity where none is."""
+    for iteration in (*START, *LOOP):
+        drives = experiment.steps[seed, run, iteration].drives
+        if all(drive.laps >= LAPS for drive in drives if drive.strategy == Strategy.NAIVE):
+            return iteration
+    return math.inf
+
+
+def _naive(run: str, iteration: int) -> Cell:
+    return Cell(run, (iteration,), Strategy.NAIVE, CONDITIONS)
+
+
+def _laps(experiment: Experiment, run: str, iteration: int) -> float:
+    """Of the naive strategy, over both conditions; 0 where no start was given in both."""
+    found = estimate(experiment, "laps", _naive(run, iteration))
+    return found.value if found else 0.0
+
+
+def _queries(experiment: Experiment, run: str, iteration: int) -> float:
+    """Mean over the seeds."""
+    asked = [experiment.queries(seed, run, iteration) for seed in experiment.seeds]
+    return sum(asked) / len(asked)
+
+
+def _after(asked: float, spent: float) -> str:
+    if asked == math.inf:
+        return "never"
+    return f"after {count(round(asked))}" + (f" (factor {spent / asked:.1f})" if asked else "")

@@ -1,0 +1,117 @@
+"""Experiments from small tables, whose verdicts are known."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+from pipeline.data.ledger import Ledger
+from pipeline.evaluation.experiment import Experiment, Step
+from pipeline.evaluation.outcomes import Outcome
+from pipeline.evaluation.results import SafetyQuality
+from pipeline.policies.strategies import Strategy
+from tests.evaluation.sample import CARS, TRACKS, outcome
+
+FRAMES = 1000
+
+
+@dataclass(frozen=True)
+class Level:
+    """How an iteration drives on average; pairs are without and with traffic."""
+
+    laps: tuple[float, float] = (2.0, 1.5)
+    """of naive"""
+    safe_laps: tuple[float, float] = (3.0, 3.0)
+    error: tuple[float, float] = (0.02, 0.03)
+    takeover: tuple[float, float] = (0.08, 0.2)
+    """of safe"""
+    queries: int = 3000
+    scatter: float = 0.0
+    """by this share every number is above and below in turns, over the starts"""
+
+
+type Table = Mapping[str, Sequence[Level]]
+
+FIRST = Level()
+FULL = Level(laps=(3.0, 3.0), error=(0.005, 0.006), takeover=(0.02, 0.05), queries=1000)
+GROWING = [
+    FIRST,
+    Level(laps=(2.5, 2.0), error=(0.01, 0.02), takeover=(0.05, 0.15)),
+    Level(laps=(3.0, 2.8), error=(0.008, 0.01), takeover=(0.04, 0.1)),
+    FULL,
+]
+SLOW = [
+    FIRST,
+    Level(laps=(2.1, 1.6), error=(0.018, 0.028), takeover=(0.075, 0.19), queries=15_000),
+    Level(laps=(2.3, 1.9), error=(0.016, 0.025), takeover=(0.07, 0.18), queries=15_000),
+    Level(laps=(2.4, 2.1), error=(0.015, 0.024), takeover=(0.07, 0.18), queries=5_000),
+]
+GOOD: Table = {
+    "supervised": SLOW,
+    "dagger": SLOW,
+    "dagger_budget": [replace(level, queries=FULL.queries * 3) for level in SLOW],
+    "safedagger": GROWING,
+    "safedagger_last": GROWING,
+    "safedagger_max": GROWING,
+    "safedagger_rising": GROWING,
+}
+"""every claim of the paper holds"""
+
+
+def scattered(levels: list[Level], scatter: float = 0.2) -> list[Level]:
+    """The same on average."""
+    return [replace(level, scatter=scatter) for level in levels]
+
+
+def ending(levels: list[Level], **changes: Any) -> list[Level]:
+    """The same, but for the last iteration."""
+    return [*levels[:-1], replace(levels[-1], **changes)]
+
+
+def experiment(table: Table, seeds: int = 1, starts: int = 4) -> Experiment:
+    """Every run's iterations from 0, on all of TRACKS; the seeds are equal."""
+    return Experiment(
+        {
+            (seed, run, iteration): _step(seed, run, iteration, level, starts)
+            for seed in range(seeds)
+            for run, levels in table.items()
+            for iteration, level in enumerate(levels)
+        }
+    )
+
+
+def _step(seed: int, run: str, iteration: int, level: Level, starts: int) -> Step:
+    return Step(
+        seed=seed,
+        run=run,
+        iteration=iteration,
+        drives=[
+            _drive(level, strategy, number, track, start)
+            for strategy in (Strategy.NAIVE, Strategy.SAFE)
+            for number in (0, 1)
+            for track in TRACKS
+            for start in range(starts)
+        ],
+        ledger=Ledger(FRAMES, level.queries, FRAMES, FRAMES, 0.3),
+        held_out=SafetyQuality(None, None, None, None, None),
+    )
+
+
+def _drive(level: Level, strategy: Strategy, number: int, track: str, start: int) -> Outcome:
+    safe = strategy is Strategy.SAFE
+    turn = start + safe * (1 + number)  # other starts are better for safe, and in traffic
+    factor = 1 + level.scatter * (-1) ** turn
+    laps = (level.safe_laps if safe else level.laps)[number] * factor
+    takeover_frames = round(FRAMES * level.takeover[number] * factor) if safe else 0
+    primary_frames = FRAMES - takeover_frames
+    return outcome(
+        track=track,
+        traffic=number * CARS,
+        strategy=strategy,
+        start=start,
+        laps=min(laps, 3.0),
+        frames=FRAMES,
+        takeover_frames=takeover_frames,
+        primary_frames=primary_frames,
+        squared_error_sum=level.error[number] * factor * primary_frames,
+        off_road=laps < 3.0,
+    )

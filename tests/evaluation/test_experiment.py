@@ -1,0 +1,86 @@
+"""Reading every seed and run: what is missing is named."""
+
+import json
+import shutil
+from pathlib import Path
+
+import pytest
+
+from pipeline.evaluation.experiment import RUNS, Experiment, read_experiment
+from tests.evaluation.sample import drives, write_run
+
+
+def write_seed(metrics: Path, seed: int, *others: str) -> Path:
+    """SafeDAgger's run of a seed, and other runs that went as well."""
+    folder = write_run(metrics / f"seed_{seed}")
+    for run in others:
+        for file in sorted(folder.glob("*_safedagger_?.*")):
+            shutil.copy(file, folder / file.name.replace("safedagger", run))
+    return folder
+
+
+def test_every_seed_and_run_is_read(tmp_path: Path) -> None:
+    write_seed(tmp_path, 10, "dagger_budget", "supervised")
+    write_seed(tmp_path, 2)
+    experiment = read_experiment(tmp_path)
+    assert experiment.seeds == [2, 10]
+    assert experiment.runs == ["supervised", "dagger_budget", "safedagger"]
+    assert experiment.iterations("dagger_budget") == [0, 1, 2, 3]
+    assert experiment.iterations("dagger") == []
+    assert [step.seed for step in experiment.of("safedagger", 1)] == [2, 10]
+    assert [step.seed for step in experiment.of("supervised", 1)] == [10]
+    step = experiment.steps[10, "supervised", 2]
+    assert (step.seed, step.run, step.iteration) == (10, "supervised", 2)
+    assert step.drives == drives(2)
+    assert step.ledger.queries == 800
+    assert step.held_out.auroc == 0.9
+
+
+def test_the_queries_are_those_of_the_loop_so_far(tmp_path: Path) -> None:
+    write_seed(tmp_path, 0)
+    experiment = read_experiment(tmp_path)
+    so_far = [experiment.queries(0, "safedagger", i) for i in range(4)]
+    assert so_far == [0, 1100, 1900, 2400]
+
+
+def test_iteration_0_is_shared_unless_a_run_has_its_own(tmp_path: Path) -> None:
+    folder = write_seed(tmp_path, 0, "safedagger_last")
+    safety = json.loads((folder / "safety_0.json").read_text())
+    safety["held_out"]["auroc"] = 0.7
+    (folder / "safety_safedagger_last_0.json").write_text(json.dumps(safety))
+    shutil.copy(folder / "drives_0.csv", folder / "drives_safedagger_last_0.csv")
+    steps = read_experiment(tmp_path).steps
+    assert steps[0, "safedagger_last", 0].held_out.auroc == 0.7
+    assert steps[0, "safedagger", 0].held_out.auroc == 0.9
+    assert steps[0, "safedagger_last", 0].ledger == steps[0, "safedagger", 0].ledger
+
+
+def test_what_is_no_run_or_seed_is_left_alone(tmp_path: Path) -> None:
+    folder = write_seed(tmp_path, 0, "tau", "scratch")
+    shutil.copytree(folder, tmp_path / "seed_old")
+    write_run(tmp_path)
+    experiment = read_experiment(tmp_path)
+    assert (experiment.seeds, experiment.runs) == ([0], ["safedagger"])
+
+
+@pytest.mark.parametrize(
+    "name",
+    ["drives_0.csv", "drives_dagger_1.csv", "ledger_D_dagger_2.json", "safety_safedagger_3.json"],
+)
+def test_a_missing_file_is_named(tmp_path: Path, name: str) -> None:
+    (write_seed(tmp_path, 0, "dagger") / name).unlink()
+    with pytest.raises(FileNotFoundError, match=rf"seed_0/{name}: no such file, expected"):
+        read_experiment(tmp_path)
+
+
+@pytest.mark.parametrize("folders", [[], ["seed_0"], ["seed_0", "seed_1"]])
+def test_no_results_are_refused(tmp_path: Path, folders: list[str]) -> None:
+    for folder in folders:
+        (tmp_path / folder).mkdir()
+    with pytest.raises(ValueError, match=r"no seed_<n>/drives_<run>_<i>.csv, expected some"):
+        read_experiment(tmp_path)
+
+
+def test_runs_come_in_the_order_of_the_report() -> None:
+    assert Experiment({}).runs == []
+    assert list(RUNS).index("dagger") < list(RUNS).index("safedagger")
