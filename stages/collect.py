@@ -45,29 +45,25 @@ def collect(
     """Collect a dataset with the reference policy (lines 1 and 2; supervised)."""
     from pipeline.data.writing import write_dataset
     from pipeline.output import refuse_existing
-    from pipeline.policies.recording import SEED_STREAMS, Drive, in_order, record
+    from pipeline.policies.recording import SEED_STREAMS, Drive, record_all
     from pipeline.policies.strategies import Rule, Strategy
 
     refuse_existing(output)
     names = options.names(tracks)
-
-    plans = [
-        Drive(
-            track=names[number % len(names)],
-            traffic=traffic,
-            spread=(offset_spread, angle_spread),
-            seed=(seed, SEED_STREAMS[purpose] + iteration, number),
-            rule=Rule(Strategy.REFERENCE),
-            record_every=record_every,
-            seconds=seconds,
-        )
-        for number in range(episodes)
-    ]
+    plan = Drive(
+        track=names[0],
+        traffic=traffic,
+        spread=(offset_spread, angle_spread),
+        seed=(seed, SEED_STREAMS[purpose] + iteration),
+        rule=Rule(Strategy.REFERENCE),
+        record_every=record_every,
+        seconds=seconds,
+    )
+    drives = record_all(plan, names, range(episodes), None, iteration=iteration, workers=workers)
 
     def driven() -> Iterator["Episode"]:
         with options.progress("collecting", episodes) as advance_to:
-            jobs = ((plan, None, iteration, number) for number, plan in enumerate(plans))
-            for done, recording in enumerate(in_order(record, jobs, workers), 1):
+            for done, recording in enumerate(drives, 1):
                 yield recording.episode
                 advance_to(done)
 

@@ -47,27 +47,23 @@ def rollout(
     from pipeline.learning.quality import detection_quality
     from pipeline.output import refuse_existing
     from pipeline.policies.inference import SAFETY_TYPE, Driver, read_config
-    from pipeline.policies.recording import SEED_STREAMS, Drive, in_order, record, until_queries
+    from pipeline.policies.recording import SEED_STREAMS, Drive, record_all, until_queries
     from pipeline.policies.strategies import Rule, Strategy
 
     refuse_existing(output)
     refuse_existing(metrics)
-    driver = Driver.load(primary, safety)
     names = options.names(tracks)
-
-    def plan(number: int) -> Drive:
-        return Drive(
-            track=names[number % len(names)],
-            traffic=traffic,
-            spread=(offset_spread, angle_spread),
-            seed=(seed, SEED_STREAMS["rollout"] + iteration, number),
-            rule=Rule(Strategy.SAFE, cut=cut),
-            record_every=record_every,
-            seconds=seconds,
-        )
-
-    for number in range(len(names)):
-        plan(number)  # refuses bad numbers before anything is begun
+    plan = Drive(
+        track=names[0],
+        traffic=traffic,
+        spread=(offset_spread, angle_spread),
+        seed=(seed, SEED_STREAMS["rollout"] + iteration),
+        rule=Rule(Strategy.SAFE, cut=cut),
+        record_every=record_every,
+        seconds=seconds,
+    )
+    driver = Driver.load(primary, safety)
+    drives = record_all(plan, names, count(), driver, iteration=iteration, workers=workers)
     config = read_config(safety, SAFETY_TYPE)
     labels = LabelRule.of(config)
     probabilities: list[np.ndarray] = []
@@ -75,9 +71,8 @@ def rollout(
 
     def driven() -> Iterator["Episode"]:
         asked = 0
-        jobs = ((plan(number), driver, iteration, number) for number in count())
         with options.progress("queries", queries) as advance_to:
-            for recording in until_queries(in_order(record, jobs, workers), queries, frames):
+            for recording in until_queries(drives, queries, frames):
                 yield recording.episode
                 columns = recording.episode.columns
                 probabilities.append(columns["safe_probability"][:, 0])

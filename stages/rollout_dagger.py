@@ -36,32 +36,27 @@ def rollout_dagger(
     from pipeline.data.writing import write_dataset
     from pipeline.output import refuse_existing
     from pipeline.policies.inference import Driver
-    from pipeline.policies.recording import SEED_STREAMS, Drive, in_order, record, until_queries
+    from pipeline.policies.recording import SEED_STREAMS, Drive, record_all, until_queries
     from pipeline.policies.strategies import Rule, Strategy
 
     refuse_existing(output)
-    driver = Driver.load(primary)
     names = options.names(tracks)
-
-    def plan(number: int) -> Drive:
-        return Drive(
-            track=names[number % len(names)],
-            traffic=traffic,
-            spread=(offset_spread, angle_spread),
-            seed=(seed, SEED_STREAMS["rollout"] + iteration, number),
-            rule=Rule(Strategy.MIXTURE, beta=beta),
-            record_every=record_every,
-            seconds=seconds,
-        )
-
-    for number in range(len(names)):
-        plan(number)  # refuses bad numbers before anything is begun
+    plan = Drive(
+        track=names[0],
+        traffic=traffic,
+        spread=(offset_spread, angle_spread),
+        seed=(seed, SEED_STREAMS["rollout"] + iteration),
+        rule=Rule(Strategy.MIXTURE, beta=beta),
+        record_every=record_every,
+        seconds=seconds,
+    )
+    driver = Driver.load(primary)
+    drives = record_all(plan, names, count(), driver, iteration=iteration, workers=workers)
 
     def driven() -> Iterator["Episode"]:
         asked = 0
-        jobs = ((plan(number), driver, iteration, number) for number in count())
         with options.progress("frames", frames) as advance_to:
-            for recording in until_queries(in_order(record, jobs, workers), frames, frames):
+            for recording in until_queries(drives, frames, frames):
                 yield recording.episode
                 asked += recording.queries
                 advance_to(asked)

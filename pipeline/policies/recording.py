@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import warnings
-from collections.abc import Callable, Iterable, Iterator
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 import torch
@@ -109,6 +109,30 @@ def record(plan: Drive, driver: Driver | None, iteration: int, number: int) -> R
     labelled = plan.rule.strategy is Strategy.MIXTURE
     episode = _episode(plan.task, frames, iteration, number, every_frame=labelled)
     return Recording(episode, np.stack([frame.reference_action for frame in frames]))
+
+
+def record_all(
+    plan: Drive,
+    tracks: Sequence[str],
+    numbers: Iterable[int],
+    driver: Driver | None,
+    *,
+    iteration: int,
+    workers: int,
+) -> Iterator[Recording]:
+    """Record one drive after the other, around the tracks, in the order of `numbers`.
+
+    Drive n is `plan` on track n modulo their number, with n appended to its seed.
+
+    Raises:
+        ValueError: a track is unknown or has no room for the traffic; at once.
+    """
+    plans = [replace(plan, track=track) for track in tracks]
+    jobs = (
+        (replace(plans[n % len(plans)], seed=(*plan.seed, n)), driver, iteration, n)
+        for n in numbers
+    )
+    return in_order(record, jobs, workers)
 
 
 def in_order[Result](

@@ -10,7 +10,14 @@ from hypothesis import strategies as st
 from pipeline.data.schema import CAMERA
 from pipeline.policies.inference import Driver
 from pipeline.policies.network import PrimaryNetwork, SafetyNetwork, feature_size
-from pipeline.policies.recording import Drive, Recording, in_order, record, until_queries
+from pipeline.policies.recording import (
+    Drive,
+    Recording,
+    in_order,
+    record,
+    record_all,
+    until_queries,
+)
 from pipeline.policies.strategies import Rule, Strategy
 from tests.episodes import random_episode
 
@@ -67,6 +74,22 @@ def test_the_result_does_not_depend_on_the_number_of_workers() -> None:
         assert a.reference_actions.tobytes() == b.reference_actions.tobytes()
         for name, values in a.episode.columns.items():
             assert values.tobytes() == b.episode.columns[name].tobytes(), name
+
+
+def test_drives_go_around_the_tracks_each_with_a_seed_of_its_own() -> None:
+    plan = replace(PLAN, seed=(7, 1), seconds=0.2)
+    drives = record_all(plan, ["alder", "yew"], [0, 1, 2], driver(), iteration=4, workers=1)
+    for number, recording in enumerate(drives):
+        expected = replace(plan, track=["alder", "yew"][number % 2], seed=(7, 1, number))
+        again = record(expected, driver(), 4, number)
+        assert recording.episode.task == expected.task
+        for name, values in again.episode.columns.items():
+            assert values.tobytes() == recording.episode.columns[name].tobytes(), name
+
+
+def test_an_unknown_track_is_refused_before_anything_is_driven() -> None:
+    with pytest.raises(ValueError, match="'nowhere': expected one of"):
+        record_all(PLAN, ["alder", "nowhere"], count(), driver(), iteration=1, workers=1)
 
 
 @pytest.mark.parametrize(("cut", "drives"), [(0.0, False), (1.0, True)])
