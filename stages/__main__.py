@@ -7,6 +7,7 @@ from typer import TyperException
 
 from stages import (
     collect,
+    errors,
     evaluate,
     ledger,
     merge,
@@ -36,6 +37,7 @@ for stage in (
     merge,
     ledger,
     evaluate,
+    errors,
     report,
 ):
     app.add_typer(stage.app)

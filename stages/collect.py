@@ -22,6 +22,7 @@ class Purpose(StrEnum):
 
     d_0 = "D_0"
     d_safe = "D_safe"
+    d_held = "D_held"
     supervised = "supervised"
 
 

@@ -19,7 +19,14 @@ from pipeline.world.tracks import make_track
 from pipeline.world.traffic import check_room
 from pipeline.world.world import World
 
-SEED_STREAMS = {"D_0": 0, "D_safe": 1, "supervised": 10, "rollout": 100, "evaluation": 1000}
+SEED_STREAMS = {
+    "D_0": 0,
+    "D_safe": 1,
+    "D_held": 2,
+    "supervised": 10,
+    "rollout": 100,
+    "evaluation": 1000,
+}
 """The second number of every drive's seed: no two collections of an experiment meet the same random
 numbers.
 """

@@ -19,6 +19,7 @@ STAGES = [
     "merge",
     "ledger",
     "evaluate",
+    "errors",
     "report",
 ]
 HEAVY = {"torch", "lerobot", "pybullet", "numpy", "matplotlib", "datasets"}

@@ -1,0 +1,47 @@
+"""The paper's Fig. 2: the errors of a primary, and what share of them tau calls safe."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from stages import options
+
+app = typer.Typer()
+
+
+@app.command()
+def errors(
+    primary: options.Primary,
+    trained: Annotated[Path, typer.Argument(help="What it was trained on: D_0.")],
+    held_out: Annotated[Path, typer.Argument(help="Drives like these that it never saw.")],
+    tau: Annotated[float, typer.Option(min=1e-9, help="The threshold on the squared error.")],
+    figure: Annotated[Path, typer.Option(help="Where to draw the histograms (PNG).")],
+    metrics: options.Metrics,
+) -> None:
+    """Show how a primary's steering errors lie around the threshold (Fig. 2)."""
+    from pipeline.evaluation.errors import error_histogram, error_summary
+    from pipeline.evaluation.writing import write_file, write_metrics
+    from pipeline.inspection.canvas import png
+    from pipeline.learning.labels import LabelRule
+    from pipeline.learning.safety import judge
+    from pipeline.output import refuse_existing
+    from pipeline.policies.inference import PRIMARY_TYPE, load_primary, read_config
+
+    for path in (figure, metrics):
+        refuse_existing(path)
+    network = load_primary(primary)
+    brake_cut = read_config(primary, PRIMARY_TYPE)["brake_cut"]
+    rule = LabelRule(include_brake=False, horizon=0.0, mode="last")
+    deviations = {
+        name: judge(network, dataset, brake_cut=brake_cut, rule=rule).deviation
+        for name, dataset in (("trained on", trained), ("held out", held_out))
+    }
+    summaries = {name: error_summary(found, tau) for name, found in deviations.items()}
+    write_file(figure, png(error_histogram(deviations, tau)))
+    write_metrics(
+        metrics, {"tau": tau, **{name.replace(" ", "_"): s for name, s in summaries.items()}}
+    )
+    typer.echo(
+        f"{metrics}: " + "; ".join(f"{n}: {options.figures(s)}" for n, s in summaries.items())
+    )
