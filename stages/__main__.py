@@ -7,6 +7,7 @@ from typer import TyperException
 
 from stages import (
     collect,
+    contact_sheet,
     errors,
     evaluate,
     ledger,
@@ -38,6 +39,7 @@ for stage in (
     ledger,
     evaluate,
     errors,
+    contact_sheet,
     report,
 ):
     app.add_typer(stage.app)

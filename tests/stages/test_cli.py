@@ -20,6 +20,7 @@ STAGES = [
     "ledger",
     "evaluate",
     "errors",
+    "contact-sheet",
     "report",
 ]
 HEAVY = {"torch", "lerobot", "pybullet", "numpy", "matplotlib", "datasets"}
@@ -114,6 +115,7 @@ def test_an_output_that_exists_is_left_alone(
     "arguments",
     [
         ("select", "missing", "out", "--cut", "0.5"),
+        ("contact-sheet", "missing", "out", "--frames", "3"),
         ("sample", "missing", "out", "--frames", "3", "--seed", "0"),
         ("merge", "missing", "missing", "out"),
         ("ledger", "missing", "missing", "--metrics", "out"),

@@ -48,6 +48,7 @@ TINY = {
         for step in STEPS
     },
     "report": {"iterations": 2},
+    "contact-sheet": {"frames": 2},
     "drive": {"traffic": 3},
     "d-0": {"episodes": 4, "seconds": 1},
     "d-safe": {"episodes": 4, "seconds": 1},
@@ -135,6 +136,12 @@ def test_the_report_stands_on_the_metrics(house: Path) -> None:
     report = (house / "cards" / "report.md").read_text()
     assert "D_safe" in report
     assert metric(house, "driving_safedagger_2")["naive"]["traffic"]["laps"] >= 0
+
+
+def test_pictures_are_drawn(house: Path) -> None:
+    for picture in ("errors/seed_0", "frames/seed_0", "figures/progress"):
+        assert (house / "cards" / f"{picture}.png").read_bytes().startswith(b"\x89PNG")
+    assert metric(house, "errors")["held_out"]["frames"] == 40
 
 
 def test_a_second_repro_does_nothing(house: Path) -> None:

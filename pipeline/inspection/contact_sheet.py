@@ -1,0 +1,81 @@
+"""The safest and the least safe frames of a dataset, with their probability (the paper's appendix).
+
+In the shapes, N is the number of frames.
+"""
+
+from collections.abc import Sequence
+
+import numpy as np
+from matplotlib.figure import Figure, SubFigure
+from numpy.typing import NDArray
+
+from pipeline.inspection.canvas import new_figure, styled
+
+COLUMNS = 5  # frames beside each other
+
+
+def extreme_frames(
+    safe_probability: NDArray[np.floating], episode_index: NDArray[np.int64], count: int
+) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """Rows of the `count` safest and of the `count` least safe frames, most extreme first.
+
+    Neighbours look alike, so that an episode gives one frame to each, or more only where there are
+    fewer than `count` episodes.
+
+    Args:
+        safe_probability: [N], NaN where there is none.
+        episode_index: [N].
+        count: >= 1.
+
+    Raises:
+        ValueError: fewer than `count` frames have a probability.
+    """
+    known = np.flatnonzero(~np.isnan(safe_probability))
+    if not 1 <= count <= len(known):
+        raise ValueError(f"{len(known)} frames have a safe probability, expected at least {count}")
+    rising = known[np.argsort(safe_probability[known], kind="stable")]
+    return _one_each(rising[::-1], episode_index, count), _one_each(rising, episode_index, count)
+
+
+def contact_sheet(
+    title: str,
+    safest: Sequence[tuple[NDArray[np.uint8], float]],
+    least_safe: Sequence[tuple[NDArray[np.uint8], float]],
+) -> Figure:
+    """Two panels of frames, uint8 [72, 160, 3], each with its probability of being safe.
+
+    Raises:
+        ValueError: there is no frame in one of the two.
+    """
+    panels = {"Safest frames": safest, "Least safe frames": least_safe}
+    rows = [-(-len(frames) // COLUMNS) for frames in panels.values()]
+    if 0 in rows:
+        raise ValueError("there are no frames, expected some safe and some unsafe ones")
+    with styled():
+        figure = new_figure(2.2 * COLUMNS, 1.25 * sum(rows) + 1.1)
+        figure.suptitle(title, fontsize=11, fontweight="bold")
+        upper, lower = figure.subfigures(2, 1, height_ratios=rows)
+        for panel, (name, frames), height in zip((upper, lower), panels.items(), rows, strict=True):
+            _draw(panel, name, frames, height)
+    return figure
+
+
+def _one_each(
+    ranked: NDArray[np.int64], episode_index: NDArray[np.int64], count: int
+) -> NDArray[np.int64]:
+    """The first `count` of `ranked`, those that are the first of their episode before others."""
+    _, firsts = np.unique(episode_index[ranked], return_index=True)
+    others = np.setdiff1d(np.arange(len(ranked)), firsts)
+    return ranked[np.concatenate([np.sort(firsts), others])[:count]]
+
+
+def _draw(
+    panel: SubFigure, name: str, frames: Sequence[tuple[NDArray[np.uint8], float]], rows: int
+) -> None:
+    panel.suptitle(name, fontsize=10, x=0.01, ha="left")
+    grid = panel.subplots(rows, COLUMNS, squeeze=False).ravel()
+    for axes in grid:
+        axes.set_axis_off()
+    for axes, (image, probability) in zip(grid, frames, strict=False):
+        axes.imshow(image, interpolation="nearest")
+        axes.set_title(f"{probability:.3f}", fontsize=8, pad=2, loc="center", fontweight="normal")

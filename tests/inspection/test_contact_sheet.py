@@ -1,0 +1,60 @@
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from pipeline.inspection.canvas import png
+from pipeline.inspection.contact_sheet import contact_sheet, extreme_frames
+
+
+def test_each_episode_gives_its_most_extreme_frame() -> None:
+    probability = np.array([0.9, 0.95, 0.1, np.nan, 0.2, 0.3, 0.8])
+    episode = np.array([0, 0, 0, 0, 1, 1, 2])
+    safest, least_safe = extreme_frames(probability, episode, 3)
+    assert safest.tolist() == [1, 6, 5]
+    assert least_safe.tolist() == [2, 4, 6]
+
+
+def test_with_few_episodes_they_give_more_than_one() -> None:
+    probability = np.array([0.5, 0.6, 0.7, 0.1])
+    safest, least_safe = extreme_frames(probability, np.array([0, 0, 0, 1]), 3)
+    assert safest.tolist() == [2, 3, 1]
+    assert least_safe.tolist() == [3, 0, 1]
+
+
+@given(st.lists(st.tuples(st.floats(0, 1), st.integers(0, 4)), min_size=1, max_size=30), st.data())
+def test_no_frame_left_out_is_more_extreme_in_its_episode(rows: list, data: st.DataObject) -> None:
+    probability, episode = (np.array(column) for column in zip(*rows, strict=True))
+    count = data.draw(st.integers(1, len(rows)))
+    safest, least_safe = extreme_frames(probability, episode, count)
+    for chosen, sign in ((safest, -1), (least_safe, 1)):
+        assert len(set(chosen.tolist())) == count
+        for row in chosen:
+            rivals = np.setdiff1d(np.flatnonzero(episode == episode[row]), chosen)
+            assert np.all(sign * probability[rivals] >= sign * probability[row])
+
+
+def test_frames_without_a_safety_policy_are_refused() -> None:
+    with pytest.raises(ValueError, match="1 frames have a safe probability, expected at least 2"):
+        extreme_frames(np.array([np.nan, 0.5]), np.array([0, 0]), 2)
+
+
+def test_a_sheet_shows_every_frame_with_its_probability() -> None:
+    rng = np.random.default_rng(0)
+    frames = [
+        (rng.integers(0, 256, (72, 160, 3), np.uint8), probability)
+        for probability in (0.999, 0.95, 0.9, 0.85, 0.8, 0.75, 0.1)
+    ]
+    figure = contact_sheet("rollout_1", frames[:6], frames[6:])
+    upper, lower = figure.subfigs
+    shown = [axes for axes in (*upper.axes, *lower.axes) if axes.images]
+    assert [axes.get_title("center") for axes in shown] == [f"{p:.3f}" for _, p in frames]
+    for axes, (image, _) in zip(shown, frames, strict=True):
+        np.testing.assert_array_equal(axes.images[0].get_array(), image)
+    assert png(figure) == png(contact_sheet("rollout_1", frames[:6], frames[6:]))
+
+
+def test_a_sheet_needs_both() -> None:
+    image = np.zeros((72, 160, 3), np.uint8)
+    with pytest.raises(ValueError, match="expected some safe and some unsafe"):
+        contact_sheet("rollout_1", [(image, 0.9)], [])
