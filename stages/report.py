@@ -3,6 +3,7 @@
 Reads the metrics of every iteration; writes the report as markdown, and its figures.
 """
 
+import os
 from pathlib import Path
 from typing import Annotated
 
@@ -17,12 +18,12 @@ def report(
     iterations: Annotated[
         int, typer.Option(min=1, help="Iterations of the loop, after the supervised stage.")
     ],
+    errors: Annotated[Path, typer.Option(help="The picture that `errors` drew.")],
+    frames: Annotated[Path, typer.Option(help="The picture that `contact-sheet` drew.")],
     output: Annotated[Path, typer.Option(help="The report to write, markdown.")],
     figures: Annotated[Path, typer.Option(help="Folder for the report's figures, PNG.")],
 ) -> None:
     """Write the report of a run: tables, figures, and what was expected against what came out."""
-    import os
-
     from pipeline.evaluation.figures import progress
     from pipeline.evaluation.report import render_report
     from pipeline.evaluation.results import read_results
@@ -37,12 +38,20 @@ def report(
     for path in (output, progress_path, *(figures / name for name, _ in sheets.values())):
         refuse_existing(path)
 
+    for path in (errors, frames):
+        if not path.is_file():
+            raise FileNotFoundError(f"{path}: no such file, expected a picture")
+
     results = read_results(metrics, iterations)
-    seen_from_report = Path(os.path.relpath(figures, output.parent))
+    shown = {
+        "How the supervised primary's errors lie around tau": errors,
+        "What the first safety policy found safest and least safe": frames,
+        **{title: figures / name for title, (name, _) in sheets.items()},
+    }
     text = render_report(
         results,
-        progress=(seen_from_report / "progress.png").as_posix(),
-        sheets={title: (seen_from_report / name).as_posix() for title, (name, _) in sheets.items()},
+        progress=_seen_from(output, progress_path),
+        pictures={title: _seen_from(output, path) for title, path in shown.items()},
     )
     pictures = {progress_path: png(progress(results))}
     for title, (name, tracks) in sheets.items():
@@ -52,3 +61,7 @@ def report(
         write_file(path, picture)
     write_file(output, text.encode())
     typer.echo(f"{output}: {iterations} iterations, {len(pictures)} figures in {figures}")
+
+
+def _seen_from(report: Path, picture: Path) -> str:
+    return Path(os.path.relpath(picture, report.parent)).as_posix()

@@ -12,12 +12,12 @@ from pipeline.evaluation.wording import CONDITION_WORDS, amount, count, laps, sh
 from pipeline.policies.strategies import Strategy
 
 
-def render_report(results: Results, *, progress: str, sheets: Mapping[str, str]) -> str:
+def render_report(results: Results, *, progress: str, pictures: Mapping[str, str]) -> str:
     """The report as markdown.
 
     Args:
         progress: where the figure over the iterations lies, seen from the report.
-        sheets: title to place of each track sheet.
+        pictures: title to place of each picture at its end.
     """
     checks = check_expectations(results)
     sections = [
@@ -37,8 +37,8 @@ def render_report(results: Results, *, progress: str, sheets: Mapping[str, str])
         _shortfalls(results),
         "## Expectations",
         _expectations(checks),
-        "## The tracks",
-        *(f"![{title}]({place})" for title, place in sheets.items()),
+        "## Pictures",
+        *(f"![{title}]({place})" for title, place in pictures.items()),
     ]
     return "\n\n".join(sections) + "\n"
 

@@ -28,7 +28,7 @@ def run(folder: Path, **changes: Any) -> Results:
 
 
 def report(results: Results) -> str:
-    return render_report(results, progress="p.png", sheets={"Training tracks": "t.png"})
+    return render_report(results, progress="p.png", pictures={"Training tracks": "t.png"})
 
 
 def section(text: str, title: str) -> str:
@@ -145,27 +145,43 @@ def test_just_short_of_three_laps_does_not_read_as_three() -> None:
     assert laps(0.29) == "0.29"
 
 
+def arguments(folder: Path) -> list[str]:
+    """Of the stage, on a run in `folder`."""
+    write_run(folder / "metrics")
+    pictures = [folder / "errors.png", folder / "frames.png"]
+    for picture in pictures:
+        picture.write_bytes(b"drawn")
+    options = {
+        "--metrics": folder / "metrics",
+        "--iterations": 3,
+        "--errors": pictures[0],
+        "--frames": pictures[1],
+        "--output": folder / "cards" / "report.md",
+        "--figures": folder / "cards" / "figures",
+    }
+    return [str(word) for pair in options.items() for word in pair]
+
+
 def test_the_stage_writes_all_or_refuses(tmp_path: Path) -> None:
-    write_run(tmp_path / "metrics")
-    output, figures = tmp_path / "cards" / "report.md", tmp_path / "cards" / "figures"
-    arguments = ["--metrics", str(tmp_path / "metrics"), "--iterations", "3"]
-    arguments += ["--output", str(output), "--figures", str(figures)]
-    result = CliRunner().invoke(app, arguments)
+    given, output = arguments(tmp_path), tmp_path / "cards" / "report.md"
+    result = CliRunner().invoke(app, given)
     assert result.exit_code == 0, result.output
     assert result.stdout.splitlines()[-1].startswith(f"{output}: ")
-    names = {file.name for file in figures.iterdir()}
+    names = {file.name for file in (tmp_path / "cards" / "figures").iterdir()}
     assert names == {"progress.png", "training.png", "test.png"}
-    assert all(f"](figures/{name})" in output.read_text() for name in names)
+    shown = [*(f"figures/{name}" for name in names), "../errors.png", "../frames.png"]
+    assert all(f"]({place})" in output.read_text() for place in shown)
 
-    again = CliRunner().invoke(app, arguments)
+    again = CliRunner().invoke(app, given)
     assert isinstance(again.exception, FileExistsError)
     assert str(again.exception) == f"{output}: exists already, expected a new path"
 
 
-def test_the_stage_writes_nothing_on_bad_metrics(tmp_path: Path) -> None:
-    (write_run(tmp_path / "metrics") / "rollout_safedagger_3.json").unlink()
-    arguments = ["--metrics", str(tmp_path / "metrics"), "--iterations", "3"]
-    arguments += ["--output", str(tmp_path / "report.md"), "--figures", str(tmp_path / "figures")]
-    result = CliRunner().invoke(app, arguments)
+@pytest.mark.parametrize("missing", ["metrics/rollout_safedagger_3.json", "frames.png"])
+def test_the_stage_writes_nothing_where_something_is_missing(tmp_path: Path, missing: str) -> None:
+    given = arguments(tmp_path)
+    (tmp_path / missing).unlink()
+    result = CliRunner().invoke(app, given)
     assert isinstance(result.exception, FileNotFoundError)
-    assert [path.name for path in tmp_path.iterdir()] == ["metrics"]
+    assert missing in str(result.exception)
+    assert not (tmp_path / "cards").exists()
