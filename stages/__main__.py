@@ -7,6 +7,7 @@ from typer import TyperException
 
 from stages import (
     collect,
+    compare,
     contact_sheet,
     errors,
     evaluate,
@@ -41,6 +42,7 @@ for stage in (
     errors,
     contact_sheet,
     report,
+    compare,
 ):
     app.add_typer(stage.app)
 

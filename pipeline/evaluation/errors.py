@@ -52,7 +52,7 @@ def error_histogram(deviations: Mapping[str, NDArray[np.floating]], tau: float) 
             logs = np.log10(np.clip(deviation, 10**LOWEST, 10**HIGHEST))
             axes.hist(
                 logs,
-                bins=np.linspace(LOWEST, HIGHEST, BINS + 1),
+                bins=np.linspace(LOWEST, HIGHEST, BINS + 1).tolist(),
                 weights=np.full(len(logs), 1 / len(logs)),
                 histtype="step",
                 color=colour,

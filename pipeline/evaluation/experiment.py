@@ -100,12 +100,18 @@ def _steps(folder: Path, seed: int) -> Iterator[Step]:
     for run in sorted({run for run, iteration in found if iteration > 0}):
         last = max(iteration for other, iteration in found if other == run)
         own = (run, 0) in found
-        yield _step(folder, seed, run, 0, f"{run}_0" if own else "0")
+        yield read_step(folder, seed, run, 0, f"{run}_0" if own else "0")
         for iteration in range(1, last + 1):
-            yield _step(folder, seed, run, iteration, f"{run}_{iteration}")
+            yield read_step(folder, seed, run, iteration, f"{run}_{iteration}")
 
 
-def _step(folder: Path, seed: int, run: str, iteration: int, name: str) -> Step:
+def read_step(folder: Path, seed: int, run: str, iteration: int, name: str) -> Step:
+    """The step whose files in `folder` are called `name`.
+
+    Raises:
+        ValueError: a file does not hold what it should.
+        FileNotFoundError: one is missing.
+    """
     ledger = f"ledger_D_{name}.json" if iteration else "ledger_D_0.json"
     return Step(
         seed=seed,

@@ -63,7 +63,7 @@ def test_one_row_reads_as_expected(tmp_path: Path) -> None:
         ("track", "", "track is '', expected a name"),
         ("traffic", "-1", "traffic is -1, expected at least 0"),
         ("traffic", "many", "traffic is 'many', expected a whole number"),
-        ("strategy", "greedy", "strategy is 'greedy', expected one of reference, naive, safe"),
+        ("strategy", "greedy", "strategy is 'greedy', expected one of reference, naive, safe, optimal, mixture"),
         ("laps", "nan", "laps is nan, expected a finite number of at least 0"),
         ("laps", "-0.5", "laps is -0.5, expected a finite number of at least 0"),
         ("damage", "inf", "damage is inf, expected a finite number of at least 0"),
@@ -71,7 +71,7 @@ def test_one_row_reads_as_expected(tmp_path: Path) -> None:
         ("frames", "0", "frames is 0, expected at least 1"),
         ("primary_frames", "499", "takeover_frames + primary_frames is 499, expected 500"),
         ("off_road", "yes", "off_road is 'yes', expected true or false"),
-        ("off_road", "true,1", "12 values, expected 11"),
+        ("off_road", "true,1", "14 values, expected 13"),
     ],
 )
 def test_a_bad_line_is_named(tmp_path: Path, column: str, value: str, problem: str) -> None:

@@ -22,6 +22,7 @@ STAGES = [
     "errors",
     "contact-sheet",
     "report",
+    "compare",
 ]
 HEAVY = {"torch", "lerobot", "pybullet", "numpy", "matplotlib", "datasets"}
 
