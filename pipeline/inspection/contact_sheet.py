@@ -54,9 +54,9 @@ def contact_sheet(
     with styled():
         figure = new_figure(2.2 * COLUMNS, 1.25 * sum(rows) + 1.1)
         figure.suptitle(title, fontsize=11, fontweight="bold")
-        upper, lower = figure.subfigures(2, 1, height_ratios=rows)
-        for panel, (name, frames), height in zip((upper, lower), panels.items(), rows, strict=True):
-            _draw(panel, name, frames, height)
+        halves = figure.add_gridspec(2, 1, height_ratios=rows)
+        for half, (name, frames) in enumerate(panels.items()):
+            _draw(figure.add_subfigure(halves[half]), name, frames, rows[half])
     return figure
 
 
