@@ -11,6 +11,7 @@ from stages import (
     contact_sheet,
     errors,
     evaluate,
+    inspect,
     ledger,
     merge,
     report,
@@ -43,6 +44,7 @@ for stage in (
     contact_sheet,
     report,
     compare,
+    inspect,
 ):
     app.add_typer(stage.app)
 

@@ -63,7 +63,11 @@ def test_one_row_reads_as_expected(tmp_path: Path) -> None:
         ("track", "", "track is '', expected a name"),
         ("traffic", "-1", "traffic is -1, expected at least 0"),
         ("traffic", "many", "traffic is 'many', expected a whole number"),
-        ("strategy", "greedy", "strategy is 'greedy', expected one of reference, naive, safe, optimal, mixture"),
+        (
+            "strategy",
+            "greedy",
+            "strategy is 'greedy', expected one of reference, naive, safe, optimal, mixture",
+        ),
         ("laps", "nan", "laps is nan, expected a finite number of at least 0"),
         ("laps", "-0.5", "laps is -0.5, expected a finite number of at least 0"),
         ("damage", "inf", "damage is inf, expected a finite number of at least 0"),

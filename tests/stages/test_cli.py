@@ -23,6 +23,7 @@ STAGES = [
     "contact-sheet",
     "report",
     "compare",
+    "inspect",
 ]
 HEAVY = {"torch", "lerobot", "pybullet", "numpy", "matplotlib", "datasets"}
 
@@ -117,6 +118,7 @@ def test_an_output_that_exists_is_left_alone(
     [
         ("select", "missing", "out", "--cut", "0.5"),
         ("contact-sheet", "missing", "out", "--frames", "3"),
+        ("inspect", "missing"),
         ("sample", "missing", "out", "--frames", "3", "--seed", "0"),
         ("merge", "missing", "missing", "out"),
         ("ledger", "missing", "missing", "--metrics", "out"),

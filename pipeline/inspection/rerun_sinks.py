@@ -1,0 +1,115 @@
+"""Where recordings go: into one file, or to a viewer on this machine."""
+
+import os
+import socket
+import subprocess
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from itertools import count
+from pathlib import Path
+from urllib.parse import quote
+
+import rerun as rr
+
+from pipeline.inspection.rerun_log import Connect, blueprint
+from pipeline.output import new_directory, refuse_existing
+
+LOOPBACK = "127.0.0.1"  # Rerun's own default is to be open to the whole network
+STARTING = 30.0  # [s] that a viewer may take to start
+_RERUN = Path(rr.__file__).parents[1] / "rerun_cli" / "rerun"
+_ENVIRONMENT = {**os.environ, "RERUN_ANALYTICS": "0"}
+_BROKE = (
+    "the viewer broke down: its window needs a display, a page for a browser or a file does not"
+)
+
+
+@contextmanager
+def into_file(path: Path, fps: int) -> Iterator[Connect]:
+    """Connects streams to one file at `path`, which appears complete or not at all.
+
+    Args:
+        path: a new file.
+        fps: frames per second, for playing.
+
+    Raises:
+        FileExistsError: there is something at `path`.
+        ValueError: its name does not end in .rrd.
+    """
+    if path.suffix != ".rrd":
+        raise ValueError(f"{path}: expected a name that ends in .rrd")
+    with new_directory(path) as whole:
+        parts: list[Path] = []
+
+        def connect(recording: rr.RecordingStream) -> None:
+            part = whole.with_name(f"{len(parts)}_{path.name}")
+            recording.save(part, default_blueprint=None if parts else blueprint(fps))
+            parts.append(part)
+
+        yield connect
+        # route keeps the order and little in memory; merge would do neither
+        route: list[str | Path] = [_RERUN, "rrd", "route", "--output", whole, *parts]
+        subprocess.run(route, check=True, capture_output=True, env=_ENVIRONMENT)
+        refuse_existing(path)
+
+
+@contextmanager
+def into_viewer(fps: int, *, web: bool) -> Iterator[tuple[Connect, str]]:
+    """Starts a viewer that only this machine can reach, and in the end waits until it is closed.
+
+    Args:
+        fps: frames per second, for playing.
+        web: serve a page to a browser, instead of opening a window.
+
+    Yields:
+        What connects streams to the viewer, and the address of the page. Closing the window ends
+        the block too.
+
+    Raises:
+        ValueError: the viewer did not start, or broke down.
+    """
+    port, page = _free_port(), _free_port()
+    data = f"rerun+http://{LOOPBACK}:{port}/proxy"
+    how = ["--serve-web", "--web-viewer-port", str(page)] if web else ["--hide-welcome-screen"]
+    process = subprocess.Popen(
+        [_RERUN, "--bind", LOOPBACK, "--port", str(port), *how],
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.DEVNULL,
+        env=_ENVIRONMENT,
+    )
+    connected = count()
+
+    def connect(recording: rr.RecordingStream) -> None:
+        if process.poll() is not None:
+            raise RuntimeError("the viewer was closed")
+        recording.connect_grpc(data, default_blueprint=None if next(connected) else blueprint(fps))
+
+    try:
+        _await(process, port)
+        try:
+            yield connect, f"http://{LOOPBACK}:{page}/?url={quote(data, safe='')}"
+        except RuntimeError:
+            if process.poll() is None:
+                raise
+        if process.wait() > 0:
+            raise ValueError(_BROKE)
+    finally:
+        process.terminate()
+        process.wait()
+
+
+def _await(process: subprocess.Popen[bytes], port: int) -> None:
+    """Return when the viewer listens."""
+    end = time.monotonic() + STARTING
+    while time.monotonic() < end and process.poll() is None:
+        with socket.socket() as probe:
+            if probe.connect_ex((LOOPBACK, port)) == 0:
+                return
+        time.sleep(0.05)
+    raise ValueError(_BROKE)
+
+
+def _free_port() -> int:
+    with socket.socket() as probe:
+        probe.bind((LOOPBACK, 0))
+        return int(probe.getsockname()[1])

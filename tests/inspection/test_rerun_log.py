@@ -1,0 +1,233 @@
+"""Recordings, read back from the file; and a viewer that nobody else can reach."""
+
+import os
+import re
+import socket
+from collections import Counter
+from pathlib import Path
+from typing import Any
+
+import cv2
+import numpy as np
+import pytest
+from rerun.experimental import RrdReader, StoreEntry
+
+from pipeline.data.schema import AFFORDANCES, CAMERA, Episode
+from pipeline.data.writing import write_dataset
+from pipeline.inspection.excerpts import Excerpt, around_takeovers, whole_episodes
+from pipeline.inspection.rerun_log import log_excerpt
+from pipeline.inspection.rerun_sinks import into_file, into_viewer
+from tests.episodes import random_episode
+
+FPS, CUT, TAU = 10, 0.25, 0.01
+LANES = {f"/around/{name}" for name in AFFORDANCES[:5]} | {
+    "/who/drove",
+    "/who/was_asked",
+    "/who/deviation",
+}
+PLOTS = {
+    "/action/primary_steering",
+    "/action/primary_brake",
+    "/action/reference_steering",
+    "/action/reference_brake",
+    "/safe_probability/safe_probability",
+    "/safe_probability/cut",
+    "/deviation/deviation",
+    "/deviation/tau",
+    "/distance/distance_left",
+    "/distance/distance_ahead",
+    "/distance/distance_right",
+    "/in_lane/lane_position",
+    "/in_lane/lane_angle",
+}
+
+
+@pytest.fixture(scope="module")
+def episodes() -> list[Episode]:
+    """A drive of the reference; one of primary and reference, longer than a batch of images."""
+    rng = np.random.default_rng(0)
+    return [
+        random_episode(rng, 5, task="drive on alder", reference_only=True),
+        random_episode(rng, 70, task="drive on birch", iteration=2, episode=1),
+    ]
+
+
+@pytest.fixture(scope="module")
+def dataset(tmp_path_factory: pytest.TempPathFactory, episodes: list[Episode]) -> Path:
+    path = tmp_path_factory.mktemp("datasets") / "rollout"
+    write_dataset(path, episodes, record_every=30 // FPS)
+    return path
+
+
+@pytest.fixture(scope="module")
+def saved(tmp_path_factory: pytest.TempPathFactory, dataset: Path) -> Path:
+    """All episodes of `dataset` in one file."""
+    return save(tmp_path_factory.mktemp("saved") / "all.rrd", list(whole_episodes(dataset)))
+
+
+def save(path: Path, excerpts: list[Excerpt]) -> Path:
+    with into_file(path, FPS) as connect:
+        for excerpt in excerpts:
+            log_excerpt(excerpt, connect, fps=FPS, cut=CUT, tau=TAU)
+    return path
+
+
+def recordings(path: Path) -> list[StoreEntry]:
+    return RrdReader(path).recordings()
+
+
+def column(path: Path, entry: StoreEntry, entity: str, component: str) -> list[Any]:
+    """What an entity shows, in the order of time: the only value of each row, or None."""
+    rows: list[tuple[int, Any]] = []
+    for chunk in RrdReader(path).stream(store=entry).to_chunks():
+        if chunk.entity_path == entity and chunk.timeline_names:
+            batch = chunk.to_record_batch().to_pydict()
+            values = batch[next(name for name in batch if name.endswith(component))]
+            times = zip(batch["frame_index"], values, strict=True)
+            rows += [(frame, value[0]) for frame, value in times]
+    return [value for _, value in sorted(rows, key=lambda row: row[0])]
+
+
+def test_every_episode_is_a_recording_of_one_application(saved: Path) -> None:
+    found = recordings(saved)
+    assert {entry.application_id for entry in found} == {"safedagger"}
+    names = [entry.recording_id for entry in found]
+    assert names == ["rollout/episode_0000", "rollout/episode_0001"]
+
+
+def test_every_entity_has_every_row_on_both_timelines(saved: Path, episodes: list[Episode]) -> None:
+    for entry, episode in zip(recordings(saved), episodes, strict=True):
+        rows: Counter[str] = Counter()
+        for chunk in RrdReader(saved).stream(store=entry).to_chunks():
+            if chunk.timeline_names:
+                assert set(chunk.timeline_names) == {"frame_index", "timestamp"}
+                rows[chunk.entity_path] += chunk.num_rows
+        assert rows == dict.fromkeys(LANES | PLOTS | {"/camera"}, len(episode))
+
+
+def test_the_blueprint_travels_in_the_file(saved: Path) -> None:
+    (blueprint,) = RrdReader(saved).blueprints()
+    assert blueprint.application_id == "safedagger"
+    chunks = RrdReader(saved).stream(store=blueprint).to_chunks()
+    origins = {
+        batch["ViewBlueprint:space_origin"][0][0]
+        for batch in (chunk.to_record_batch().to_pydict() for chunk in chunks)
+        if "ViewBlueprint:space_origin" in batch
+    }
+    for entity in LANES | PLOTS | {"/camera"}:
+        assert any(f"{entity}/".startswith(f"/{origin.strip('/')}/") for origin in origins), entity
+
+
+def test_the_camera_is_shown_without_loss(saved: Path, episodes: list[Episode]) -> None:
+    entry = recordings(saved)[1]
+    blobs = column(saved, entry, "/camera", "blob")
+    for blob, image in zip(blobs, episodes[1].columns[CAMERA], strict=True):
+        shown = cv2.imdecode(np.frombuffer(bytes(blob), np.uint8), cv2.IMREAD_COLOR_RGB)
+        np.testing.assert_array_equal(shown, image)
+
+
+def test_what_each_policy_wanted(saved: Path, episodes: list[Episode]) -> None:
+    entry, rows = recordings(saved)[1], episodes[1].columns
+    queried = rows["queried"][:, 0]
+    for i, name in enumerate(("steering", "brake")):
+        primary = column(saved, entry, f"/action/primary_{name}", "scalars")
+        reference = column(saved, entry, f"/action/reference_{name}", "scalars")
+        np.testing.assert_array_equal(primary, rows["primary_action"][:, i])
+        expected = np.where(queried, rows["action"][:, i], np.nan)
+        np.testing.assert_array_equal(reference, expected)
+
+
+def test_who_drove_and_why(saved: Path, episodes: list[Episode]) -> None:
+    entry, rows = recordings(saved)[1], episodes[1].columns
+    drove = np.where(rows["intervention"][:, 0], "reference", "primary")
+    assert column(saved, entry, "/who/drove", "state") == drove.tolist()
+    deviation = rows["deviation"][:, 0]
+    states = ["" if np.isnan(d) else "above tau" if d > TAU else "up to tau" for d in deviation]
+    assert column(saved, entry, "/who/deviation", "state") == states
+    np.testing.assert_array_equal(
+        column(saved, entry, "/deviation/deviation", "scalars"), deviation
+    )
+    for entity, value in (("/safe_probability/cut", CUT), ("/deviation/tau", TAU)):
+        assert set(column(saved, entry, entity, "scalars")) == {value}
+
+
+def test_one_episode_only(dataset: Path, episodes: list[Episode]) -> None:
+    (excerpt,) = whole_episodes(dataset, 1)
+    assert excerpt.title == "episode 0001: iteration 2, drive on birch"
+    np.testing.assert_array_equal(excerpt.episode.columns[CAMERA], episodes[1].columns[CAMERA])
+    for unknown in (-1, 2):
+        with pytest.raises(ValueError, match=f"no episode {unknown}, expected 0 to 1"):
+            whole_episodes(dataset, unknown)
+        with pytest.raises(ValueError, match="expected 0 to 1"):
+            around_takeovers(dataset, unknown)
+
+
+def test_takeovers_keep_the_time_of_their_episode(
+    dataset: Path, episodes: list[Episode], tmp_path: Path
+) -> None:
+    excerpts = around_takeovers(dataset)
+    assert [excerpt.title[:13] for excerpt in excerpts[:2]] == ["takeover 0001", "takeover 0002"]
+    probability = episodes[1].columns["safe_probability"][:, 0]
+    assert f"safe probability {probability.min():.3f}" in excerpts[0].title
+    first, stop = excerpts[0].first_frame, excerpts[0].first_frame + len(excerpts[0])
+    assert first <= probability.argmin() < stop
+    path = save(tmp_path / "unsafe.rrd", excerpts[:1])
+    (entry,) = recordings(path)
+    drove = np.where(episodes[1].columns["intervention"][first:stop, 0], "reference", "primary")
+    assert column(path, entry, "/who/drove", "state") == drove.tolist()
+
+
+def test_where_the_reference_drove_alone_is_no_takeover(dataset: Path) -> None:
+    with pytest.raises(ValueError, match="episode 0 has no takeovers"):
+        around_takeovers(dataset, 0)
+
+
+def test_a_file_is_never_overwritten_and_never_half_there(dataset: Path, tmp_path: Path) -> None:
+    (tmp_path / "mine.rrd").write_text("precious")
+    with pytest.raises(FileExistsError, match="exists already"):
+        save(tmp_path / "mine.rrd", [])
+    with pytest.raises(ValueError, match=r"ends in \.rrd"):
+        save(tmp_path / "mine.txt", [])
+    with pytest.raises(KeyboardInterrupt), into_file(tmp_path / "new.rrd", FPS) as connect:
+        log_excerpt(next(whole_episodes(dataset)), connect, fps=FPS, cut=CUT, tau=TAU)
+        raise KeyboardInterrupt
+    excerpt = next(whole_episodes(dataset))
+    with pytest.raises(FileExistsError), into_file(tmp_path / "late.rrd", FPS) as connect:
+        log_excerpt(excerpt, connect, fps=FPS, cut=CUT, tau=TAU)
+        (tmp_path / "late.rrd").write_text("precious")
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["late.rrd", "mine.rrd"]
+    assert {path.read_text() for path in tmp_path.iterdir()} == {"precious"}
+
+
+@pytest.mark.skipif(not Path("/proc/net/tcp").exists(), reason="lists who listens, on Linux")
+def test_only_this_machine_reaches_the_page(dataset: Path) -> None:
+    with pytest.raises(KeyboardInterrupt), into_viewer(FPS, web=True) as (connect, address):
+        log_excerpt(next(whole_episodes(dataset)), connect, fps=FPS, cut=CUT, tau=TAU)
+        ports = [int(port) for port in re.findall(r"127\.0\.0\.1(?::|%3A)(\d+)", address)]
+        assert len(ports) == 2
+        assert [listening(port) for port in ports] == [{"0100007F"}, {"0100007F"}]
+        raise KeyboardInterrupt
+    for port in ports:
+        with socket.socket() as probe:
+            assert probe.connect_ex(("127.0.0.1", port)) != 0
+
+
+def listening(port: int) -> set[str]:
+    """The addresses, in hexadecimal, that are listened to on a port."""
+    lines = [line.split() for name in ("tcp", "tcp6") for line in table(name)]
+    sockets = [(*line[1].split(":"), line[3]) for line in lines]
+    return {host for host, where, state in sockets if int(where, 16) == port and state == "0A"}
+
+
+def table(name: str) -> list[str]:
+    path = Path("/proc/net") / name
+    return path.read_text().splitlines()[1:] if path.exists() else []
+
+
+def test_a_window_needs_a_display(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(
+        "pipeline.inspection.rerun_sinks._ENVIRONMENT",
+        {"PATH": os.environ["PATH"], "RERUN_ANALYTICS": "0"},
+    )
+    with pytest.raises(ValueError, match="needs a display"), into_viewer(FPS, web=False):
+        pass

@@ -1,0 +1,60 @@
+"""Takeover windows."""
+
+import numpy as np
+from hypothesis import given
+from hypothesis import strategies as st
+
+from pipeline.inspection.takeovers import Takeover, takeovers
+
+FRAMES = st.tuples(
+    st.booleans(),
+    st.one_of(st.just(np.nan), st.floats(0, 1)),
+    st.integers(0, 1),  # episodes that the row is after the last one
+)
+
+
+def test_most_unsafe_first_two_seconds_before_one_second_after() -> None:
+    drove = np.zeros(60, bool)
+    drove[[25, 26, 45]] = True
+    probability = np.full(60, 0.9)
+    probability[[25, 26, 45]] = 0.4, 0.3, 0.1
+    assert takeovers(drove, probability, np.zeros(60, np.int64), fps=10) == [
+        Takeover(episode=0, start=45, stop=46, first=25, end=56, safe_probability=0.1),
+        Takeover(episode=0, start=25, stop=27, first=5, end=37, safe_probability=0.3),
+    ]
+
+
+def test_a_window_ends_with_its_episode() -> None:
+    drove = np.array([False, True, True, False])
+    probability = np.array([0.9, 0.2, 0.4, 0.9])
+    assert takeovers(drove, probability, np.array([0, 0, 1, 1]), fps=30) == [
+        Takeover(episode=0, start=1, stop=2, first=0, end=2, safe_probability=0.2),
+        Takeover(episode=1, start=0, stop=1, first=0, end=2, safe_probability=0.4),
+    ]
+
+
+def test_without_a_safety_policy_there_is_no_takeover() -> None:
+    drove, unknown = np.ones(5, bool), np.full(5, np.nan)
+    assert takeovers(drove, unknown, np.zeros(5, np.int64), fps=10) == []
+
+
+@given(st.lists(FRAMES, min_size=1, max_size=80), st.sampled_from([1, 3, 10, 30]))
+def test_windows(frames: list[tuple[bool, float, int]], fps: int) -> None:
+    drove, probability, steps = (np.array(column) for column in zip(*frames, strict=True))
+    episode_index = np.cumsum(steps) - steps[0]
+    found = takeovers(drove, probability, episode_index, fps=fps)
+    taken = drove & ~np.isnan(probability)
+    seen = np.zeros(len(frames), int)
+    for takeover in found:
+        rows = np.flatnonzero(episode_index == takeover.episode)
+        assert 0 <= takeover.first <= takeover.start < takeover.stop <= takeover.end <= len(rows)
+        assert takeover.first in (0, takeover.start - 2 * fps)
+        assert takeover.end in (len(rows), takeover.stop + fps)
+        seen[rows[takeover.start : takeover.stop]] += 1
+        for beside in (takeover.start - 1, takeover.stop):
+            assert not 0 <= beside < len(rows) or not taken[rows[beside]]
+        lowest = probability[rows[takeover.start : takeover.stop]].min()
+        assert takeover.safe_probability == lowest
+    assert np.array_equal(seen, taken.astype(int))
+    order = [takeover.safe_probability for takeover in found]
+    assert order == sorted(order)
