@@ -47,9 +47,9 @@ def into_file(path: Path, fps: int) -> Iterator[Connect]:
             parts.append(part)
 
         yield connect
-        # route keeps the order and little in memory; merge would do neither
-        route: list[str | Path] = [_RERUN, "rrd", "route", "--output", whole, *parts]
-        subprocess.run(route, check=True, capture_output=True, env=_ENVIRONMENT)
+        # merge holds all in memory; `rrd route` would not, but panics on some files (0.33.1)
+        merge: list[str | Path] = [_RERUN, "rrd", "merge", "--output", whole, *parts]
+        subprocess.run(merge, check=True, capture_output=True, env=_ENVIRONMENT)
         refuse_existing(path)
 
 
