@@ -9,6 +9,8 @@ from typing import Annotated
 
 import typer
 
+from stages import options
+
 app = typer.Typer()
 
 TITLES = {
@@ -30,8 +32,6 @@ def compare(
     figures: Annotated[Path, typer.Option(help="Folder for the report's figures, PNG.")],
 ) -> None:
     """Write the report of a comparison: verdicts on the paper's claims, figures, every number."""
-    import os
-
     from pipeline.evaluation.comparison_figures import (
         TRAINING,
         VARIANTS,
@@ -64,8 +64,7 @@ def compare(
         "optimal": optimal(experiment),
     }
     pictures = {name: png(figure) for name, figure in drawn.items() if figure}
-    seen_from_report = Path(os.path.relpath(figures, output.parent))
-    places = {TITLES[name]: (seen_from_report / f"{name}.png").as_posix() for name in pictures}
+    places = {TITLES[name]: options.seen_from(output, paths[name]) for name in pictures}
     text = render_comparison(experiment, thresholds, places)
 
     for name, picture in pictures.items():

@@ -1,5 +1,6 @@
 """Arguments that several stages share, and how stages show what they do."""
 
+import os
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from enum import StrEnum
@@ -63,6 +64,11 @@ Threads = Annotated[
 def names(listed: str) -> list[str]:
     """The names in a comma-separated list."""
     return [name.strip() for name in listed.split(",")]
+
+
+def seen_from(report: Path, picture: Path) -> str:
+    """Where `picture` lies, as a link in `report` says it."""
+    return Path(os.path.relpath(picture, report.parent)).as_posix()
 
 
 @contextmanager

@@ -3,11 +3,12 @@
 Reads the metrics of every iteration; writes the report as markdown, and its figures.
 """
 
-import os
 from pathlib import Path
 from typing import Annotated
 
 import typer
+
+from stages import options
 
 app = typer.Typer()
 
@@ -50,8 +51,8 @@ def report(
     }
     text = render_report(
         results,
-        progress=_seen_from(output, progress_path),
-        pictures={title: _seen_from(output, path) for title, path in shown.items()},
+        progress=options.seen_from(output, progress_path),
+        pictures={title: options.seen_from(output, path) for title, path in shown.items()},
     )
     pictures = {progress_path: png(progress(results))}
     for title, (name, tracks) in sheets.items():
@@ -61,7 +62,3 @@ def report(
         write_file(path, picture)
     write_file(output, text.encode())
     typer.echo(f"{output}: {iterations} iterations, {len(pictures)} figures in {figures}")
-
-
-def _seen_from(report: Path, picture: Path) -> str:
-    return Path(os.path.relpath(picture, report.parent)).as_posix()

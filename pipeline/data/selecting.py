@@ -9,6 +9,13 @@ import numpy as np
 from pipeline.data.schema import Episode
 
 
+def runs(chosen: np.ndarray) -> list[slice]:
+    """Maximal runs of true in `chosen` bool [T], in order."""
+    padded = np.concatenate([[False], chosen, [False]])
+    edges = np.flatnonzero(padded[1:] != padded[:-1])
+    return [slice(int(a), int(b)) for a, b in zip(edges[::2], edges[1::2], strict=True)]
+
+
 def unsafe_runs(safe_probability: np.ndarray, cut: float) -> list[slice]:
     """Maximal runs of unsafe rows, in order.
 
@@ -23,7 +30,7 @@ def unsafe_runs(safe_probability: np.ndarray, cut: float) -> list[slice]:
     _check_cut(cut)
     if safe_probability.ndim != 1:
         raise ValueError(f"safe_probability has shape {safe_probability.shape}, expected (T,)")
-    return _runs(safe_probability < cut)
+    return runs(safe_probability < cut)
 
 
 def select_unsafe(episodes: Iterable[Episode], cut: float) -> Iterator[Episode]:
@@ -60,16 +67,9 @@ def sample_frames(
 def _sampled(episodes: Iterable[Episode], chosen: np.ndarray) -> Iterator[Episode]:
     first = 0
     for episode in episodes:
-        for run in _runs(chosen[first : first + len(episode)]):
+        for run in runs(chosen[first : first + len(episode)]):
             yield episode.rows(run.start, run.stop)
         first += len(episode)
-
-
-def _runs(chosen: np.ndarray) -> list[slice]:
-    """Maximal runs of true in `chosen` [T], in order."""
-    padded = np.concatenate([[False], chosen, [False]])
-    edges = np.flatnonzero(padded[1:] != padded[:-1])
-    return [slice(int(a), int(b)) for a, b in zip(edges[::2], edges[1::2], strict=True)]
 
 
 def _check_cut(cut: float) -> None:

@@ -8,6 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from pipeline.data.selecting import runs
+
 BEFORE, AFTER = 2.0, 1.0  # [s] of a window around its takeover
 
 
@@ -56,16 +58,14 @@ def takeovers(
 def _of_episode(
     episode: int, taken: NDArray[np.bool_], safe_probability: NDArray[np.floating], fps: int
 ) -> list[Takeover]:
-    switches = np.diff(np.concatenate([[0], taken.astype(np.int64), [0]]))
-    starts, stops = np.flatnonzero(switches == 1), np.flatnonzero(switches == -1)
     return [
         Takeover(
             episode,
-            start,
-            stop,
-            max(start - round(BEFORE * fps), 0),
-            min(stop + round(AFTER * fps), len(taken)),
-            float(safe_probability[start:stop].min()),
+            run.start,
+            run.stop,
+            max(run.start - round(BEFORE * fps), 0),
+            min(run.stop + round(AFTER * fps), len(taken)),
+            float(safe_probability[run].min()),
         )
-        for start, stop in zip(starts.tolist(), stops.tolist(), strict=True)
+        for run in runs(taken)
     ]
