@@ -7,7 +7,7 @@ import pytest
 import yaml
 
 ROOT = Path(__file__).parent.parent
-LOOPS = ("rollouts", "dagger", "supervised", "steps", "safeties", "ledgers")
+LOOPS = ("rollouts", "dagger", "supervised", "steps", "from-scratch", "safeties", "ledgers")
 FILES = ["params.yaml", "scales/experiment.yaml", "scales/paper.yaml"]
 
 
@@ -32,8 +32,12 @@ def test_every_step_has_what_it_needs(name: str) -> None:
     sources = [*scale["rollouts"], *scale["dagger"], *scale["supervised"]]
     assert sorted(sources) == sorted(steps)
     assert {step["previous"] for step in steps.values()} <= primaries
-    assert primaries <= set(scale["safeties"])
-    assert {safety["primary"] for safety in scale["safeties"].values()} <= primaries
+    assert primaries | set(scale["from-scratch"]) <= set(scale["safeties"])
+    data = {name: name for name in primaries}
+    data |= {name: scratch["data"] for name, scratch in scale["from-scratch"].items()}
+    for safety in scale["safeties"].values():
+        assert safety["data"] == data[safety["primary"]]
+        assert safety["data"] in primaries
     assert set(scale["ledgers"]) == primaries | {"safe"}
     for step, rollout in scale["rollouts"].items():
         assert rollout["primary"] == steps[step]["previous"]

@@ -32,12 +32,21 @@ TINY = {
         step: {"previous": "safedagger_1" if step == "safedagger_2" else "0", "passes": 128}
         for step in STEPS
     },
+    "from-scratch": {"scratch_2": {"data": "safedagger_2", "passes": 128}},
     "safeties": {
-        step: {"primary": step, "labels": LABELS, "strategies": ALL} for step in ["0", *STEPS]
+        step: {"primary": step, "data": step, "labels": LABELS, "strategies": ALL}
+        for step in ["0", *STEPS]
     }
     | {
+        "scratch_2": {
+            "primary": "scratch_2",
+            "data": "safedagger_2",
+            "labels": LABELS,
+            "strategies": "naive",
+        },
         "ahead": {
             "primary": "0",
+            "data": "0",
             "labels": LABELS | {"horizon": 0.5, "horizon-mode": "max"},
             "strategies": "safe",
         }
@@ -60,7 +69,7 @@ TINY = {
     "collect-supervised": {"seconds": 1},
     "evaluate": {"traffic": 2, "laps": 0.05, "seconds": 2, "starts": 1},
 }
-LOOPS = ("rollouts", "dagger", "supervised", "steps", "safeties", "ledgers")
+LOOPS = ("rollouts", "dagger", "supervised", "steps", "from-scratch", "safeties", "ledgers")
 
 
 @pytest.fixture(scope="module")
@@ -130,6 +139,15 @@ def test_supervised_learning_pays_for_what_the_reference_drives(house: Path) -> 
 def test_all_strategies_are_evaluated(house: Path) -> None:
     assert set(metric(house, "driving_dagger_1")) == {"naive", "safe", "optimal"}
     assert set(metric(house, "driving_ahead")) == {"safe"}
+
+
+def test_a_primary_can_be_trained_from_scratch_on_the_same_data(house: Path) -> None:
+    weights = [
+        (house / "models" / name / "model.safetensors").read_bytes()
+        for name in ("primary_scratch_2", "primary_safedagger_2")
+    ]
+    assert weights[0] != weights[1]
+    assert set(metric(house, "driving_scratch_2")) == {"naive"}
 
 
 def test_the_report_stands_on_the_metrics(house: Path) -> None:
