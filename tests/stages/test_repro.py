@@ -49,7 +49,7 @@ TINY = {
             "data": "0",
             "labels": LABELS | {"horizon": 0.5, "horizon-mode": "max"},
             "strategies": "safe",
-        }
+        },
     },
     "ledgers": {"0": {"driven": "D_0"}, "safe": {"driven": "D_safe"}}
     | {
