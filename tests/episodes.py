@@ -38,6 +38,7 @@ def random_episode(
             "action": np.where(intervention, reference, primary),
             "primary_action": primary,
             "affordances": rng.random((frames, 10), dtype=np.float32),
+            "vehicle_state": rng.random((frames, 4), dtype=np.float32),
             "intervention": intervention,
             "queried": intervention.copy(),
             "safe_probability": safe_probability,

@@ -28,6 +28,8 @@ AFFORDANCES = (
     "lane_angle",
 )
 """The ten hidden variables of the paper's Appendix A, in its order."""
+VEHICLE_STATE = ("x", "y", "heading", "speed")
+"""Where our car is in the world [m, m, rad] and how fast [m/s]: to look at, no policy sees it."""
 
 _FLAG = {"dtype": "bool", "shape": (1,), "names": None}
 _NUMBER = {"dtype": "float32", "shape": (1,), "names": None}
@@ -44,6 +46,11 @@ FEATURES: dict[str, dict[str, Any]] = {
         "dtype": "float32",
         "shape": (len(AFFORDANCES),),
         "names": list(AFFORDANCES),
+    },
+    "vehicle_state": {
+        "dtype": "float32",
+        "shape": (len(VEHICLE_STATE),),
+        "names": list(VEHICLE_STATE),
     },
     # the reference drove this row
     "intervention": _FLAG,

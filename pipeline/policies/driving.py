@@ -27,6 +27,8 @@ class Frame:
     """[72, 160, 3]"""
     affordances: NDArray[np.float32]
     """[10]"""
+    vehicle_state: NDArray[np.float32]
+    """[4], see `World.vehicle_state`"""
     reference_action: NDArray[np.float32]
     """[2]; known to the simulator even where nobody asked: whoever uses it must count it"""
     primary_action: NDArray[np.float32]
@@ -69,6 +71,7 @@ def drive(
         frame = Frame(
             image,
             world.affordances(),
+            world.vehicle_state(),
             actions[0].copy(),
             primary_action,
             safe_probability,

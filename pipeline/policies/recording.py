@@ -198,6 +198,7 @@ def _episode(
             "action": np.where(queried, reference, primary),
             "primary_action": primary,
             "affordances": np.stack([frame.affordances for frame in frames]),
+            "vehicle_state": np.stack([frame.vehicle_state for frame in frames]),
             "intervention": intervention,
             "queried": queried,
             "safe_probability": np.array(

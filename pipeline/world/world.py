@@ -76,6 +76,11 @@ class World:
         """[10], see `affordances.affordances`."""
         return affordances(self.cars, self.track)
 
+    def vehicle_state(self) -> NDArray[np.float32]:
+        """[4] our car's position x, y [m], heading [rad] and speed [m/s]."""
+        cars = self.cars
+        return np.array([cars.x[0], cars.y[0], cars.heading[0], cars.speed[0]], np.float32)
+
     def step(self, actions: NDArray[np.floating]) -> None:
         """Advance by one control step; `actions` is [N, 2], every car's steering in [-1, 1] and
         brake.

@@ -36,8 +36,11 @@ def by_reference(
 
 def test_a_frame_is_what_was_seen_and_known_before_it_was_driven(world: World) -> None:
     image, known = world.image(), world.affordances()
+    cars = world.cars
+    state = [cars.x[0], cars.y[0], cars.heading[0], cars.speed[0]]
     action = reference_actions(world.cars, world.track)[0]
     frame = next(by_reference(world))
+    np.testing.assert_array_equal(frame.vehicle_state, np.float32(state))
     np.testing.assert_array_equal(frame.image, image)
     np.testing.assert_array_equal(frame.affordances, known)
     np.testing.assert_array_equal(frame.reference_action, action)
