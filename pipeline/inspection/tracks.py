@@ -1,15 +1,16 @@
 """Track sheets: each track from above, and a frame as the car sees it (the paper's appendix)."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.patches import Wedge
 from numpy.typing import NDArray
 
-from pipeline.inspection.canvas import new_figure, styled
+from pipeline.inspection.canvas import DPI, new_figure, styled
 from pipeline.world.affordances import affordances
 from pipeline.world.cars import Cars
 from pipeline.world.tracks import LANE_WIDTH, SHOULDER, Track, make_track
@@ -28,6 +29,9 @@ KEY = (
     "arrow: from the start line in the direction of travel",
 )
 WEDGE = 36.0, 36.0  # [m] length, [degrees] half angle of what the camera sees
+
+ToPixels = Callable[[NDArray[np.float64], NDArray[np.float64]], NDArray[np.float64]]
+"""From world coordinates x, y [m], [N] each, to columns and rows of a picture, [N, 2]."""
 
 
 def track_sheet(names: Sequence[str], title: str) -> Figure:
@@ -58,6 +62,35 @@ def track_sheet(names: Sequence[str], title: str) -> Figure:
             below.imshow(frame, interpolation="nearest")
             below.set_axis_off()
     return figure
+
+
+def track_map(name: str, pixels: int) -> tuple[NDArray[np.uint8], ToPixels]:
+    """A track from above, uint8 [H, pixels, 3], and where points of the world lie on it.
+
+    Raises:
+        ValueError: no such track.
+    """
+    track = make_track(name)
+    line = track.centreline
+    (left, right), (bottom, top) = (
+        (along.min() - MARGIN, along.max() + MARGIN) for along in (line.x, line.y)
+    )
+    scale = pixels / (right - left)
+    with styled():
+        figure = Figure(figsize=(pixels / DPI, round((top - bottom) * scale) / DPI), dpi=DPI)
+        canvas = FigureCanvasAgg(figure)
+        axes = figure.add_axes((0, 0, 1, 1), xlim=(left, right), ylim=(bottom, top))
+        _draw_track(axes, track)
+        _draw_start(axes, track)
+        axes.set_axis_off()
+        figure.set_facecolor(_rgb(track.look.ground))
+        canvas.draw()
+        picture = np.asarray(canvas.buffer_rgba())[:, :, :3].copy()
+
+    def to_pixels(x: NDArray[np.float64], y: NDArray[np.float64]) -> NDArray[np.float64]:
+        return np.stack([(x - left) * scale, (top - y) * scale], axis=1)
+
+    return picture, to_pixels
 
 
 def sample_frame(track: Track) -> tuple[NDArray[np.uint8], Cars]:

@@ -26,6 +26,7 @@ SEED_STREAMS = {
     "supervised": 10,
     "rollout": 100,
     "evaluation": 1000,
+    "film": 2000,
 }
 """The second number of every drive's seed: no two collections of an experiment meet the same random
 numbers.

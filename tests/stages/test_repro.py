@@ -58,6 +58,7 @@ TINY = {
     },
     "report": {"iterations": 2},
     "contact-sheet": {"frames": 2},
+    "film": {"traffic": 2, "seconds": 2},
     "drive": {"traffic": 3},
     "d-0": {"episodes": 4, "seconds": 1},
     "d-safe": {"episodes": 4, "seconds": 1},
@@ -159,6 +160,7 @@ def test_the_report_stands_on_the_metrics(house: Path) -> None:
 def test_pictures_are_drawn(house: Path) -> None:
     for picture in ("errors/seed_0", "frames/seed_0", "figures/progress"):
         assert (house / "cards" / f"{picture}.png").read_bytes().startswith(b"\x89PNG")
+    assert (house / "cards" / "film.gif").read_bytes().startswith(b"GIF89a")
     assert metric(house, "errors")["held_out"]["frames"] == 40
 
 

@@ -1,0 +1,62 @@
+"""Show a drive as a film: the track from above, what the car sees, and who drives."""
+
+from typing import Annotated
+
+import typer
+
+from stages import options
+
+app = typer.Typer()
+
+
+@app.command()
+def film(
+    primary: options.Primary,
+    safety: options.Safety,
+    output: options.Output,
+    track: Annotated[str, typer.Option(help="Its name; 'random:<seed>' is one too.")],
+    traffic: options.Traffic,
+    strategy: Annotated[str, typer.Option(help="Driving strategy: naive, safe or optimal.")],
+    laps: Annotated[float, typer.Option(min=0.01, help="Most laps to drive.")],
+    seconds: options.Seconds,
+    record_every: options.RecordEvery,
+    cut: options.Cut,
+    show_every: Annotated[int, typer.Option(min=1, help="Frames to a picture of the film.")],
+    seed: options.Seed,
+) -> None:
+    """Drive, and write a film of it (GIF, ten pictures a second)."""
+    from pipeline.evaluation.writing import write_file
+    from pipeline.inspection.film import gif, shoot
+    from pipeline.output import refuse_existing
+    from pipeline.policies.inference import SAFETY_TYPE, Driver, read_config
+    from pipeline.policies.recording import SEED_STREAMS, Drive
+    from pipeline.policies.strategies import Rule, parse_driving
+
+    refuse_existing(output)
+    if output.suffix != ".gif":
+        raise ValueError(f"{output}: expected a name that ends in .gif")
+    driver = Driver.load(primary, safety)
+    labels = read_config(safety, SAFETY_TYPE)
+    plan = Drive(
+        track=track,
+        traffic=traffic,
+        spread=(0.0, 0.0),
+        seed=(seed, SEED_STREAMS["film"]),
+        rule=Rule(
+            parse_driving(strategy),
+            cut=cut,
+            tau=labels["tau"],
+            include_brake=labels["include_brake"],
+        ),
+        record_every=record_every,
+        seconds=seconds,
+        laps=laps,
+    )
+    pictures = []
+    with options.progress("driving", laps) as advance_to:
+        for number, (picture, driven) in enumerate(shoot(plan, driver)):
+            if number % show_every == 0:
+                pictures.append(picture)
+            advance_to(driven)
+    write_file(output, gif(pictures, milliseconds=100))
+    typer.echo(f"{output}: {len(pictures)} pictures, {driven:.2f} laps")

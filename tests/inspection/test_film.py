@@ -1,0 +1,75 @@
+"""A drive as a film: every frame, the trail in the driver's colour, and the same bytes again."""
+
+import io
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import torch
+from PIL import Image
+
+from pipeline.inspection.film import PRIMARY, REFERENCE, gif, shoot
+from pipeline.inspection.tracks import track_map
+from pipeline.policies.inference import Driver
+from pipeline.policies.network import PrimaryNetwork
+from pipeline.policies.recording import Drive
+from pipeline.policies.strategies import Rule, Strategy
+from pipeline.world.tracks import make_track
+
+BY_PRIMARY = Drive(
+    track="yew",
+    traffic=3,
+    spread=(0.0, 0.0),
+    seed=(0,),
+    rule=Rule(Strategy.NAIVE),
+    record_every=3,
+    seconds=1.0,
+)
+BY_REFERENCE = replace(BY_PRIMARY, rule=Rule(Strategy.REFERENCE))
+
+
+@pytest.fixture(scope="module")
+def driver() -> Driver:
+    return Driver(PrimaryNetwork(2, generator=torch.Generator().manual_seed(0)), brake_cut=0.5)
+
+
+@pytest.mark.parametrize(
+    ("plan", "colour", "other"),
+    [(BY_PRIMARY, PRIMARY, REFERENCE), (BY_REFERENCE, REFERENCE, PRIMARY)],
+)
+def test_every_frame_is_shown_and_the_trail_says_who_drove(
+    driver: Driver, plan: Drive, colour: tuple, other: tuple
+) -> None:
+    pictures, laps = zip(*shoot(plan, driver), strict=True)
+    assert len(pictures) == 10
+    assert np.all(np.diff(laps) > 0) and laps[-1] > 0.02
+    trail = [np.all(picture[120:] == colour, axis=2).sum() for picture in pictures]
+    assert trail[-1] > trail[0] > 0
+    assert not np.any(np.all(pictures[-1][120:] == other, axis=2))
+
+
+def test_a_map_says_where_the_road_is() -> None:
+    track = make_track("willow")
+    picture, to_pixels = track_map("willow", 400)
+    assert picture.shape[1] == 400
+    s = np.linspace(20, track.length - 20, 50)  # without the start line
+    for d, colour in ((1.5, (track.look.asphalt,) * 3), (track.half_width + 8, track.look.ground)):
+        columns, rows = to_pixels(*track.centreline.position(s, np.full(50, d))).astype(int).T
+        near = np.abs(picture[rows, columns].astype(int) - colour).max(axis=1) < 12
+        assert near.mean() > 0.8
+
+
+def test_a_gif_has_every_picture_and_equal_bytes(driver: Driver) -> None:
+    pictures = [picture for picture, _ in shoot(BY_REFERENCE, driver)]
+    content = gif(pictures, 100)
+    assert gif(pictures, 100) == content
+    film = Image.open(io.BytesIO(content))
+    assert (film.n_frames, film.size, film.info["duration"]) == (10, pictures[0].shape[1::-1], 100)
+    film.seek(9)
+    shown = np.asarray(film.convert("RGB")).astype(int)
+    assert np.abs(shown - pictures[9]).mean() < 8
+
+
+def test_no_pictures_are_refused() -> None:
+    with pytest.raises(ValueError, match="no pictures, expected"):
+        gif([], 100)
