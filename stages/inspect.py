@@ -42,6 +42,7 @@ def inspect(
     from pipeline.data.reading import check_dataset
     from pipeline.data.schema import CONTROL_HZ
     from pipeline.inspection.excerpts import around_takeovers, whole_episodes
+    from pipeline.inspection.rerun_blueprints import drive_blueprint
     from pipeline.inspection.rerun_log import log_excerpt
     from pipeline.inspection.rerun_sinks import into_file, into_viewer
 
@@ -54,12 +55,15 @@ def inspect(
     else:
         excerpts = whole_episodes(dataset, episode)
     if save is not None:
-        with into_file(save, fps) as connect:
+        with into_file(save, drive_blueprint(fps)) as connect:
             for excerpt in excerpts:
                 log_excerpt(excerpt, connect, fps=fps, cut=cut, tau=tau)
         typer.echo(f"{save}: open it with `rerun {save}`")
         return
-    with suppress(KeyboardInterrupt), into_viewer(fps, web=web) as (connect, address):
+    with (
+        suppress(KeyboardInterrupt),
+        into_viewer(drive_blueprint(fps), web=web) as (connect, address),
+    ):
         if web:
             typer.echo(f"{address} (Ctrl-C to end)")
         for excerpt in excerpts:

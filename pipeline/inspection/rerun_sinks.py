@@ -11,8 +11,9 @@ from pathlib import Path
 from urllib.parse import quote
 
 import rerun as rr
+import rerun.blueprint as rrb
 
-from pipeline.inspection.rerun_log import Connect, blueprint
+from pipeline.inspection.rerun_log import Connect
 from pipeline.output import new_directory, refuse_existing
 
 LOOPBACK = "127.0.0.1"  # Rerun's own default is to be open to the whole network
@@ -25,12 +26,12 @@ _BROKE = (
 
 
 @contextmanager
-def into_file(path: Path, fps: int) -> Iterator[Connect]:
+def into_file(path: Path, blueprint: rrb.Blueprint) -> Iterator[Connect]:
     """Connects streams to one file at `path`, which appears complete or not at all.
 
     Args:
         path: a new file.
-        fps: frames per second, for playing.
+        blueprint: where the viewer shows what.
 
     Raises:
         FileExistsError: there is something at `path`.
@@ -43,7 +44,7 @@ def into_file(path: Path, fps: int) -> Iterator[Connect]:
 
         def connect(recording: rr.RecordingStream) -> None:
             part = whole.with_name(f"{len(parts)}_{path.name}")
-            recording.save(part, default_blueprint=None if parts else blueprint(fps))
+            recording.save(part, default_blueprint=None if parts else blueprint)
             parts.append(part)
 
         yield connect
@@ -54,11 +55,11 @@ def into_file(path: Path, fps: int) -> Iterator[Connect]:
 
 
 @contextmanager
-def into_viewer(fps: int, *, web: bool) -> Iterator[tuple[Connect, str]]:
+def into_viewer(blueprint: rrb.Blueprint, *, web: bool) -> Iterator[tuple[Connect, str]]:
     """Starts a viewer that only this machine can reach, and in the end waits until it is closed.
 
     Args:
-        fps: frames per second, for playing.
+        blueprint: where the viewer shows what.
         web: serve a page to a browser, instead of opening a window.
 
     Yields:
@@ -82,7 +83,7 @@ def into_viewer(fps: int, *, web: bool) -> Iterator[tuple[Connect, str]]:
     def connect(recording: rr.RecordingStream) -> None:
         if process.poll() is not None:
             raise RuntimeError("the viewer was closed")
-        recording.connect_grpc(data, default_blueprint=None if next(connected) else blueprint(fps))
+        recording.connect_grpc(data, default_blueprint=None if next(connected) else blueprint)
 
     try:
         _await(process, port)

@@ -5,21 +5,23 @@ import re
 import socket
 from collections import Counter
 from pathlib import Path
-from typing import Any
 
 import cv2
 import numpy as np
 import pytest
-from rerun.experimental import RrdReader, StoreEntry
+from rerun.experimental import RrdReader
 
 from pipeline.data.schema import AFFORDANCES, CAMERA, Episode
 from pipeline.data.writing import write_dataset
 from pipeline.inspection.excerpts import Excerpt, around_takeovers, whole_episodes
+from pipeline.inspection.rerun_blueprints import drive_blueprint
 from pipeline.inspection.rerun_log import log_excerpt
 from pipeline.inspection.rerun_sinks import into_file, into_viewer
 from tests.episodes import random_episode
+from tests.inspection.saved import column, origins, recordings
 
 FPS, CUT, TAU = 10, 0.25, 0.01
+BLUEPRINT = drive_blueprint(FPS)
 LANES = {f"/around/{name}" for name in AFFORDANCES[:5]} | {
     "/who/drove",
     "/who/was_asked",
@@ -39,7 +41,9 @@ PLOTS = {
     "/distance/distance_right",
     "/in_lane/lane_position",
     "/in_lane/lane_angle",
+    "/speed/speed",
 }
+TOP_VIEW = {f"/top_view/{name}" for name in ("driven", "others", "car", "heading")}
 
 
 @pytest.fixture(scope="module")
@@ -47,8 +51,8 @@ def episodes() -> list[Episode]:
     """A drive of the reference; one of primary and reference, longer than a batch of images."""
     rng = np.random.default_rng(0)
     return [
-        random_episode(rng, 5, task="drive on alder", reference_only=True),
-        random_episode(rng, 70, task="drive on birch", iteration=2, episode=1),
+        random_episode(rng, 5, task="drive on alder with 3 other cars", reference_only=True),
+        random_episode(rng, 70, task="drive on birch with 0 other cars", iteration=2, episode=1),
     ]
 
 
@@ -66,26 +70,10 @@ def saved(tmp_path_factory: pytest.TempPathFactory, dataset: Path) -> Path:
 
 
 def save(path: Path, excerpts: list[Excerpt]) -> Path:
-    with into_file(path, FPS) as connect:
+    with into_file(path, BLUEPRINT) as connect:
         for excerpt in excerpts:
             log_excerpt(excerpt, connect, fps=FPS, cut=CUT, tau=TAU)
     return path
-
-
-def recordings(path: Path) -> list[StoreEntry]:
-    return RrdReader(path).recordings()
-
-
-def column(path: Path, entry: StoreEntry, entity: str, component: str) -> list[Any]:
-    """What an entity shows, in the order of time: the only value of each row, or None."""
-    rows: list[tuple[int, Any]] = []
-    for chunk in RrdReader(path).stream(store=entry).to_chunks():
-        if chunk.entity_path == entity and chunk.timeline_names:
-            batch = chunk.to_record_batch().to_pydict()
-            values = batch[next(name for name in batch if name.endswith(component))]
-            times = zip(batch["frame_index"], values, strict=True)
-            rows += [(frame, value[0]) for frame, value in times]
-    return [value for _, value in sorted(rows, key=lambda row: row[0])]
 
 
 def test_every_episode_is_a_recording_of_one_application(saved: Path) -> None:
@@ -102,20 +90,15 @@ def test_every_entity_has_every_row_on_both_timelines(saved: Path, episodes: lis
             if chunk.timeline_names:
                 assert set(chunk.timeline_names) == {"frame_index", "timestamp"}
                 rows[chunk.entity_path] += chunk.num_rows
-        assert rows == dict.fromkeys(LANES | PLOTS | {"/camera"}, len(episode))
+        assert rows == dict.fromkeys(LANES | PLOTS | TOP_VIEW | {"/camera"}, len(episode))
 
 
 def test_the_blueprint_travels_in_the_file(saved: Path) -> None:
-    (blueprint,) = RrdReader(saved).blueprints()
-    assert blueprint.application_id == "safedagger"
-    chunks = RrdReader(saved).stream(store=blueprint).to_chunks()
-    origins = {
-        batch["ViewBlueprint:space_origin"][0][0]
-        for batch in (chunk.to_record_batch().to_pydict() for chunk in chunks)
-        if "ViewBlueprint:space_origin" in batch
-    }
+    shown = origins(saved)
     for entity in LANES | PLOTS | {"/camera"}:
-        assert any(f"{entity}/".startswith(f"/{origin.strip('/')}/") for origin in origins), entity
+        assert any(
+            f"{entity}/".startswith(f"/{origin.strip('/')}/") for origin in shown if origin != "/"
+        ), entity
 
 
 def test_the_camera_is_shown_without_loss(saved: Path, episodes: list[Episode]) -> None:
@@ -153,7 +136,7 @@ def test_who_drove_and_why(saved: Path, episodes: list[Episode]) -> None:
 
 def test_one_episode_only(dataset: Path, episodes: list[Episode]) -> None:
     (excerpt,) = whole_episodes(dataset, 1)
-    assert excerpt.title == "episode 0001: iteration 2, drive on birch"
+    assert excerpt.title == "episode 0001: iteration 2, drive on birch with 0 other cars"
     np.testing.assert_array_equal(excerpt.episode.columns[CAMERA], episodes[1].columns[CAMERA])
     for unknown in (-1, 2):
         with pytest.raises(ValueError, match=f"no episode {unknown}, expected 0 to 1"):
@@ -188,11 +171,11 @@ def test_a_file_is_never_overwritten_and_never_half_there(dataset: Path, tmp_pat
         save(tmp_path / "mine.rrd", [])
     with pytest.raises(ValueError, match=r"ends in \.rrd"):
         save(tmp_path / "mine.txt", [])
-    with pytest.raises(KeyboardInterrupt), into_file(tmp_path / "new.rrd", FPS) as connect:
+    with pytest.raises(KeyboardInterrupt), into_file(tmp_path / "new.rrd", BLUEPRINT) as connect:
         log_excerpt(next(whole_episodes(dataset)), connect, fps=FPS, cut=CUT, tau=TAU)
         raise KeyboardInterrupt
     excerpt = next(whole_episodes(dataset))
-    with pytest.raises(FileExistsError), into_file(tmp_path / "late.rrd", FPS) as connect:
+    with pytest.raises(FileExistsError), into_file(tmp_path / "late.rrd", BLUEPRINT) as connect:
         log_excerpt(excerpt, connect, fps=FPS, cut=CUT, tau=TAU)
         (tmp_path / "late.rrd").write_text("precious")
     assert sorted(path.name for path in tmp_path.iterdir()) == ["late.rrd", "mine.rrd"]
@@ -201,7 +184,7 @@ def test_a_file_is_never_overwritten_and_never_half_there(dataset: Path, tmp_pat
 
 @pytest.mark.skipif(not Path("/proc/net/tcp").exists(), reason="lists who listens, on Linux")
 def test_only_this_machine_reaches_the_page(dataset: Path) -> None:
-    with pytest.raises(KeyboardInterrupt), into_viewer(FPS, web=True) as (connect, address):
+    with pytest.raises(KeyboardInterrupt), into_viewer(BLUEPRINT, web=True) as (connect, address):
         log_excerpt(next(whole_episodes(dataset)), connect, fps=FPS, cut=CUT, tau=TAU)
         ports = [int(port) for port in re.findall(r"127\.0\.0\.1(?::|%3A)(\d+)", address)]
         assert len(ports) == 2
@@ -229,5 +212,5 @@ def test_a_window_needs_a_display(monkeypatch: pytest.MonkeyPatch) -> None:
         "pipeline.inspection.rerun_sinks._ENVIRONMENT",
         {"PATH": os.environ["PATH"], "RERUN_ANALYTICS": "0"},
     )
-    with pytest.raises(ValueError, match="needs a display"), into_viewer(FPS, web=False):
+    with pytest.raises(ValueError, match="needs a display"), into_viewer(BLUEPRINT, web=False):
         pass

@@ -1,0 +1,64 @@
+"""Where the Rerun viewer shows what."""
+
+import rerun.blueprint as rrb
+
+
+def drive_blueprint(fps: int) -> rrb.Blueprint:
+    """For recordings of one drive each, of `fps` frames per second."""
+    return _blueprint(
+        fps,
+        rrb.Vertical(
+            rrb.Spatial2DView(origin="camera", name="camera"),
+            _top_view([""]),
+            rrb.StateTimelineView(origin="who", name="who drove, and was there reason to"),
+            row_shares=[9, 14, 6],
+        ),
+        rrb.Vertical(
+            _plot("action", "steering and brake"),
+            _plot("safe_probability", "safe probability", axis=(0.0, 1.0)),
+            _plot("deviation", "deviation"),
+            _plot("in_lane", "position in the lane and angle to it"),
+            _plot("speed", "speed [m/s]"),
+            rrb.Horizontal(
+                _plot("distance", "distances [m]"),
+                rrb.StateTimelineView(origin="around", name="what is there"),
+            ),
+            row_shares=[5, 4, 4, 4, 4, 6],
+        ),
+        column_shares=[2, 3],
+    )
+
+
+def _blueprint(fps: int, *columns: rrb.Vertical, column_shares: list[float]) -> rrb.Blueprint:
+    return rrb.Blueprint(
+        rrb.Horizontal(*columns, column_shares=column_shares),
+        rrb.TimePanel(timeline="frame_index", state="collapsed", fps=fps),
+        rrb.BlueprintPanel(state="expanded"),  # lists the recordings
+        rrb.SelectionPanel(state="hidden"),
+    )
+
+
+def _top_view(roots: list[str]) -> rrb.Spatial2DView:
+    """The track with the drives at `roots`; of the lines that they drove, all is seen at any time."""
+    ever = rrb.TimeRangeBoundary.infinite()
+    always = rrb.VisibleTimeRanges(
+        [
+            rrb.VisibleTimeRange(timeline, start=ever, end=ever)
+            for timeline in ("frame_index", "timestamp")
+        ]
+    )
+    return rrb.Spatial2DView(
+        origin="/",
+        contents=["/track/**", *(f"/{root}top_view/**" for root in roots)],
+        name="top view",
+        overrides={f"{root}top_view/driven": always for root in roots},
+    )
+
+
+def _plot(origin: str, name: str, axis: tuple[float, float] | None = None) -> rrb.TimeSeriesView:
+    return rrb.TimeSeriesView(
+        origin=origin,
+        name=name,
+        axis_y=None if axis is None else rrb.ScalarAxis(range=axis),
+        plot_legend=rrb.PlotLegend(rrb.Corner2D.LeftTop),
+    )
