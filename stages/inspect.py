@@ -2,16 +2,11 @@
 
 from contextlib import suppress
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
 
 from stages import options
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-
-    from pipeline.inspection.excerpts import Excerpt
 
 app = typer.Typer()
 
@@ -49,11 +44,7 @@ def inspect(
     if save is not None and web:
         raise typer.BadParameter("--save and --web exclude each other")
     fps = CONTROL_HZ // check_dataset(dataset)
-    if unsafe:
-        # the viewer turns to each recording that arrives (rerun-io/rerun#12950): end with the first
-        excerpts: Iterator[Excerpt] = reversed(around_takeovers(dataset, episode))
-    else:
-        excerpts = whole_episodes(dataset, episode)
+    excerpts = around_takeovers(dataset, episode) if unsafe else whole_episodes(dataset, episode)
     if save is not None:
         with into_file(save, drive_blueprint(fps)) as connect:
             for excerpt in excerpts:

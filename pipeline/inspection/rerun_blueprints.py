@@ -23,7 +23,7 @@ def drive_blueprint(fps: int) -> rrb.Blueprint:
                 _plot("distance", "distances [m]"),
                 rrb.StateTimelineView(origin="around", name="what is there"),
             ),
-            row_shares=[5, 4, 4, 4, 4, 6],
+            row_shares=[5, 4, 4, 4, 4, 7],
         ),
         column_shares=[2, 3],
     )

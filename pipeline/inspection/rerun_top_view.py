@@ -15,7 +15,7 @@ from pipeline.world.tracks import LANE_WIDTH, SHOULDER, Track
 
 YELLOW, WHITE = 0xF0E442FF, 0xFFFFFFFF
 STEP = 1.5  # [m] between the points of a line along the road
-LINE, DRIVEN, ARROW = 0.13, 0.35, 0.5  # [m] half the width of the lines
+LINE, DRIVEN, ARROW = 0.13, 0.45, 0.5  # [m] half the width of the lines
 NOSE = 9.0  # [m] from the middle of our car to the tip of its arrow
 ROAD, PAINT, WAY, CARS, OURS = 0.0, 1.0, 2.0, 3.0, 4.0  # what lies on what
 

@@ -3,6 +3,7 @@
 import os
 import re
 import socket
+import weakref
 from collections import Counter
 from pathlib import Path
 
@@ -148,16 +149,39 @@ def test_one_episode_only(dataset: Path, episodes: list[Episode]) -> None:
 def test_takeovers_keep_the_time_of_their_episode(
     dataset: Path, episodes: list[Episode], tmp_path: Path
 ) -> None:
-    excerpts = around_takeovers(dataset)
-    assert [excerpt.title[:13] for excerpt in excerpts[:2]] == ["takeover 0001", "takeover 0002"]
+    excerpts = list(around_takeovers(dataset))
+    assert excerpts[-1].title.startswith("takeover 0001: ")
     probability = episodes[1].columns["safe_probability"][:, 0]
-    assert f"safe probability {probability.min():.3f}" in excerpts[0].title
-    first, stop = excerpts[0].first_frame, excerpts[0].first_frame + len(excerpts[0])
+    assert f"safe probability {probability.min():.3f}" in excerpts[-1].title
+    first, stop = excerpts[-1].first_frame, excerpts[-1].first_frame + len(excerpts[-1])
     assert first <= probability.argmin() < stop
-    path = save(tmp_path / "unsafe.rrd", excerpts[:1])
+    path = save(tmp_path / "unsafe.rrd", excerpts[-1:])
     (entry,) = recordings(path)
     drove = np.where(episodes[1].columns["intervention"][first:stop, 0], "reference", "primary")
     assert column(path, entry, "/who/drove", "state") == drove.tolist()
+
+
+def test_takeovers_are_ranked_by_their_titles(dataset: Path) -> None:
+    titles = [excerpt.title for excerpt in around_takeovers(dataset)]
+    assert [title[:14] for title in sorted(titles)] == [
+        f"takeover {rank:04d}:" for rank in range(1, len(titles) + 1)
+    ]
+    probabilities = [float(title.split()[4].strip(",")) for title in sorted(titles)]
+    assert probabilities == sorted(probabilities)
+
+
+def test_few_episodes_are_in_memory_at_a_time(tmp_path: Path) -> None:
+    rng = np.random.default_rng(0)
+    write_dataset(tmp_path / "many", (random_episode(rng, 12) for _ in range(8)), record_every=3)
+    seen: list[weakref.ref[np.ndarray]] = []
+    for excerpt in around_takeovers(tmp_path / "many"):
+        images = excerpt.episode.columns[CAMERA].base
+        assert isinstance(images, np.ndarray)
+        if not any(images is image() for image in seen):
+            seen.append(weakref.ref(images))
+        del images, excerpt
+        assert sum(image() is not None for image in seen) <= 2  # this one and the most unsafe
+    assert len(seen) == 8
 
 
 def test_where_the_reference_drove_alone_is_no_takeover(dataset: Path) -> None:
