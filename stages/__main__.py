@@ -7,7 +7,7 @@ from typer import TyperException
 
 from stages import (
     collect,
-    compare,
+    compare_datasets,
     contact_sheet,
     errors,
     evaluate,
@@ -43,8 +43,8 @@ for stage in (
     errors,
     contact_sheet,
     report,
-    compare,
     inspect,
+    compare_datasets,
 ):
     app.add_typer(stage.app)
 

@@ -1,5 +1,7 @@
 """Where the Rerun viewer shows what."""
 
+from collections.abc import Sequence
+
 import rerun.blueprint as rrb
 
 
@@ -9,7 +11,7 @@ def drive_blueprint(fps: int) -> rrb.Blueprint:
         fps,
         rrb.Vertical(
             rrb.Spatial2DView(origin="camera", name="camera"),
-            _top_view([""]),
+            _top_view([""], "top view"),
             rrb.StateTimelineView(origin="who", name="who drove, and was there reason to"),
             row_shares=[9, 14, 6],
         ),
@@ -29,7 +31,32 @@ def drive_blueprint(fps: int) -> rrb.Blueprint:
     )
 
 
-def _blueprint(fps: int, *columns: rrb.Vertical, column_shares: list[float]) -> rrb.Blueprint:
+def pair_blueprint(fps: int) -> rrb.Blueprint:
+    """For recordings of two drives each, of `fps` frames per second."""
+    return _blueprint(
+        fps,
+        *(
+            rrb.Vertical(
+                rrb.Spatial2DView(origin=f"{root}/camera", name=f"{root}: camera"),
+                rrb.StateTimelineView(origin=f"{root}/who", name=f"{root}: who drove"),
+                _plot(f"{root}/action", f"{root}: steering and brake"),
+                _plot(f"{root}/safe_probability", f"{root}: safe probability", axis=(0.0, 1.0)),
+                _plot(f"{root}/deviation", f"{root}: deviation"),
+                row_shares=[8, 6, 6, 5, 5],
+            )
+            for root in "ab"
+        ),
+        rrb.Vertical(
+            _top_view(["a/", "b/"], "top view: a is dark, b is light"),
+            _plot("a/speed", "a: speed [m/s]"),
+            _plot("b/speed", "b: speed [m/s]"),
+            row_shares=[4, 1, 1],
+        ),
+        column_shares=[3, 3, 4],
+    )
+
+
+def _blueprint(fps: int, *columns: rrb.Vertical, column_shares: Sequence[float]) -> rrb.Blueprint:
     return rrb.Blueprint(
         rrb.Horizontal(*columns, column_shares=column_shares),
         rrb.TimePanel(timeline="frame_index", state="collapsed", fps=fps),
@@ -38,7 +65,7 @@ def _blueprint(fps: int, *columns: rrb.Vertical, column_shares: list[float]) -> 
     )
 
 
-def _top_view(roots: list[str]) -> rrb.Spatial2DView:
+def _top_view(roots: list[str], name: str) -> rrb.Spatial2DView:
     """The track with the drives at `roots`; of the lines that they drove, all is seen at any time."""
     ever = rrb.TimeRangeBoundary.infinite()
     always = rrb.VisibleTimeRanges(
@@ -50,7 +77,7 @@ def _top_view(roots: list[str]) -> rrb.Spatial2DView:
     return rrb.Spatial2DView(
         origin="/",
         contents=["/track/**", *(f"/{root}top_view/**" for root in roots)],
-        name="top view",
+        name=name,
         overrides={f"{root}top_view/driven": always for root in roots},
     )
 

@@ -1,6 +1,7 @@
 """A drive as a Rerun recording: what the car saw, what each policy wanted, who drove, and why."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 
 import cv2
 import numpy as np
@@ -10,8 +11,10 @@ from numpy.typing import NDArray
 from pipeline.data.schema import AFFORDANCES
 from pipeline.inspection.excerpts import Excerpt
 from pipeline.inspection.footage import Footage, track_of
+from pipeline.inspection.pairs import Pair
 from pipeline.inspection.rerun_top_view import log_track, top_view
 from pipeline.inspection.rerun_traces import Trace, Tracer, dots, lane, level, line
+from pipeline.world.tracks import Track
 
 APPLICATION = "safedagger"
 BLUE, LIGHT_BLUE, RED, ORANGE = 0x0072B2FF, 0x56B4E9FF, 0xD55E00FF, 0xE69F00FF
@@ -34,16 +37,47 @@ def log_excerpt(excerpt: Excerpt, connect: Connect, *, fps: int, cut: float, tau
         ValueError: the episode's task names no track.
     """
     footage = Footage.of_episode(excerpt.episode, excerpt.first_frame)
-    with rr.RecordingStream(APPLICATION, recording_id=excerpt.name) as recording:
+    traces = drive_traces(cut=cut, tau=tau) + top_view(primary=BLUE, reference=RED)
+    track = track_of(excerpt.episode.task)
+    with new_recording(excerpt.name, excerpt.title, track, connect) as recording:
+        Tracer(recording, traces, fps=fps).send(footage)
+
+
+def log_pair(pair: Pair, connect: Connect, *, fps: int, cut: float, tau: float) -> None:
+    """Send two drives on one track as one recording, under a/ and b/; else as `log_excerpt`."""
+    colors = {"a": (BLUE, RED), "b": (LIGHT_BLUE, ORANGE)}
+    with new_recording(pair.name, pair.title, track_of(pair.a.task), connect) as recording:
+        for (root, (primary, reference)), episode in zip(
+            colors.items(), (pair.a, pair.b), strict=True
+        ):
+            seen = top_view(primary=primary, reference=reference, label=root)
+            traces = drive_traces(cut=cut, tau=tau) + seen
+            tracer = Tracer(recording, traces, fps=fps, root=f"{root}/")
+            tracer.send(Footage.of_episode(episode))
+
+
+@contextmanager
+def new_recording(
+    name: str, title: str, track: Track, connect: Connect
+) -> Iterator[rr.RecordingStream]:
+    """A recording that already shows its track, complete when the block ends.
+
+    Args:
+        name: its id.
+        title: what the viewer calls it.
+        track: where it was recorded.
+        connect: is called once, before anything is sent.
+    """
+    with rr.RecordingStream(APPLICATION, recording_id=name) as recording:
         connect(recording)
-        recording.send_recording_name(excerpt.title)
-        log_track(recording, track_of(excerpt.episode.task))
-        Tracer(recording, drive_traces(cut=cut, tau=tau), fps=fps).send(footage)
+        recording.send_recording_name(title)
+        log_track(recording, track)
+        yield recording
     recording.disconnect()
 
 
 def drive_traces(*, cut: float, tau: float) -> list[Trace]:
-    """All that is shown of a drive.
+    """What is shown of a drive beside the top view.
 
     Args:
         cut: drawn with the safe probability: a frame below it is unsafe.
@@ -51,7 +85,6 @@ def drive_traces(*, cut: float, tau: float) -> list[Trace]:
     """
     return [
         Trace("camera", None, _pngs),
-        *top_view(primary=BLUE, reference=RED),
         *_lanes(tau),
         # the primary's wish where it had one, and the reference's where it is known
         line("action/primary_steering", BLUE, lambda frames: frames.primary_action[:, 0]),

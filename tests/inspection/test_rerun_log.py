@@ -71,9 +71,9 @@ def saved(tmp_path_factory: pytest.TempPathFactory, dataset: Path) -> Path:
 
 
 def save(path: Path, excerpts: list[Excerpt]) -> Path:
-    with into_file(path, BLUEPRINT) as connect:
+    with into_file(path, BLUEPRINT) as sink:
         for excerpt in excerpts:
-            log_excerpt(excerpt, connect, fps=FPS, cut=CUT, tau=TAU)
+            log_excerpt(excerpt, sink.connect, fps=FPS, cut=CUT, tau=TAU)
     return path
 
 
@@ -195,12 +195,12 @@ def test_a_file_is_never_overwritten_and_never_half_there(dataset: Path, tmp_pat
         save(tmp_path / "mine.rrd", [])
     with pytest.raises(ValueError, match=r"ends in \.rrd"):
         save(tmp_path / "mine.txt", [])
-    with pytest.raises(KeyboardInterrupt), into_file(tmp_path / "new.rrd", BLUEPRINT) as connect:
-        log_excerpt(next(whole_episodes(dataset)), connect, fps=FPS, cut=CUT, tau=TAU)
+    with pytest.raises(KeyboardInterrupt), into_file(tmp_path / "new.rrd", BLUEPRINT) as sink:
+        log_excerpt(next(whole_episodes(dataset)), sink.connect, fps=FPS, cut=CUT, tau=TAU)
         raise KeyboardInterrupt
     excerpt = next(whole_episodes(dataset))
-    with pytest.raises(FileExistsError), into_file(tmp_path / "late.rrd", BLUEPRINT) as connect:
-        log_excerpt(excerpt, connect, fps=FPS, cut=CUT, tau=TAU)
+    with pytest.raises(FileExistsError), into_file(tmp_path / "late.rrd", BLUEPRINT) as sink:
+        log_excerpt(excerpt, sink.connect, fps=FPS, cut=CUT, tau=TAU)
         (tmp_path / "late.rrd").write_text("precious")
     assert sorted(path.name for path in tmp_path.iterdir()) == ["late.rrd", "mine.rrd"]
     assert {path.read_text() for path in tmp_path.iterdir()} == {"precious"}
@@ -208,12 +208,14 @@ def test_a_file_is_never_overwritten_and_never_half_there(dataset: Path, tmp_pat
 
 @pytest.mark.skipif(not Path("/proc/net/tcp").exists(), reason="lists who listens, on Linux")
 def test_only_this_machine_reaches_the_page(dataset: Path) -> None:
-    with pytest.raises(KeyboardInterrupt), into_viewer(BLUEPRINT, web=True) as (connect, address):
-        log_excerpt(next(whole_episodes(dataset)), connect, fps=FPS, cut=CUT, tau=TAU)
-        ports = [int(port) for port in re.findall(r"127\.0\.0\.1(?::|%3A)(\d+)", address)]
+    with pytest.raises(KeyboardInterrupt), into_viewer(BLUEPRINT, web=True) as sink:
+        log_excerpt(next(whole_episodes(dataset)), sink.connect, fps=FPS, cut=CUT, tau=TAU)
+        ports = [int(port) for port in re.findall(r"127\.0\.0\.1(?::|%3A)(\d+)", sink.page or "")]
         assert len(ports) == 2
         assert [listening(port) for port in ports] == [{"0100007F"}, {"0100007F"}]
+        assert sink.is_open()
         raise KeyboardInterrupt
+    assert not sink.is_open()
     for port in ports:
         with socket.socket() as probe:
             assert probe.connect_ex(("127.0.0.1", port)) != 0

@@ -44,8 +44,8 @@ def excerpt() -> Excerpt:
 @pytest.fixture(scope="module")
 def saved(tmp_path_factory: pytest.TempPathFactory, excerpt: Excerpt) -> Path:
     path = tmp_path_factory.mktemp("saved") / "one.rrd"
-    with into_file(path, drive_blueprint(10)) as connect:
-        log_excerpt(excerpt, connect, fps=10, cut=0.5, tau=0.01)
+    with into_file(path, drive_blueprint(10)) as sink:
+        log_excerpt(excerpt, sink.connect, fps=10, cut=0.5, tau=0.01)
     return path
 
 
