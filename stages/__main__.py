@@ -21,6 +21,7 @@ from stages import (
     select,
     train_primary,
     train_safety,
+    watch,
 )
 
 app = typer.Typer(
@@ -45,6 +46,7 @@ for stage in (
     report,
     inspect,
     compare_datasets,
+    watch,
 ):
     app.add_typer(stage.app)
 

@@ -7,6 +7,7 @@ import rerun.blueprint as rrb
 
 def drive_blueprint(fps: int) -> rrb.Blueprint:
     """For recordings of one drive each, of `fps` frames per second."""
+    around = rrb.StateTimelineView(origin="around", name="what is there")
     return _blueprint(
         fps,
         rrb.Vertical(
@@ -16,18 +17,25 @@ def drive_blueprint(fps: int) -> rrb.Blueprint:
             row_shares=[9, 14, 6],
         ),
         rrb.Vertical(
-            _plot("action", "steering and brake"),
-            _plot("safe_probability", "safe probability", axis=(0.0, 1.0)),
-            _plot("deviation", "deviation"),
-            _plot("in_lane", "position in the lane and angle to it"),
-            _plot("speed", "speed [m/s]"),
-            rrb.Horizontal(
-                _plot("distance", "distances [m]"),
-                rrb.StateTimelineView(origin="around", name="what is there"),
-            ),
+            *_plots(),
+            rrb.Horizontal(_plot("distance", "distances [m]"), around),
             row_shares=[5, 4, 4, 4, 4, 7],
         ),
         column_shares=[2, 3],
+    )
+
+
+def live_blueprint(fps: int) -> rrb.Blueprint:
+    """For a drive that is still being driven. It has no lanes: they would not move on with it."""
+    return _blueprint(
+        fps,
+        rrb.Vertical(
+            rrb.Spatial2DView(origin="camera", name="camera"),
+            _top_view([""], "top view"),
+            row_shares=[2, 3],
+        ),
+        rrb.Vertical(*_plots(), _plot("distance", "distances [m]"), row_shares=[5, 4, 4, 4, 4, 5]),
+        column_shares=[1, 1],
     )
 
 
@@ -40,7 +48,7 @@ def pair_blueprint(fps: int) -> rrb.Blueprint:
                 rrb.Spatial2DView(origin=f"{root}/camera", name=f"{root}: camera"),
                 rrb.StateTimelineView(origin=f"{root}/who", name=f"{root}: who drove"),
                 _plot(f"{root}/action", f"{root}: steering and brake"),
-                _plot(f"{root}/safe_probability", f"{root}: safe probability", axis=(0.0, 1.0)),
+                _plot(f"{root}/safe_probability", f"{root}: safe probability", (0.0, 1.0)),
                 _plot(f"{root}/deviation", f"{root}: deviation"),
                 row_shares=[8, 6, 6, 5, 5],
             )
@@ -63,6 +71,17 @@ def _blueprint(fps: int, *columns: rrb.Vertical, column_shares: Sequence[float])
         rrb.BlueprintPanel(state="expanded"),  # lists the recordings
         rrb.SelectionPanel(state="hidden"),
     )
+
+
+def _plots() -> list[rrb.TimeSeriesView]:
+    """What is plotted of every single drive."""
+    return [
+        _plot("action", "steering and brake"),
+        _plot("safe_probability", "safe probability, and where the reference drives", (0.0, 1.0)),
+        _plot("deviation", "deviation"),
+        _plot("in_lane", "position in the lane and angle to it"),
+        _plot("speed", "speed [m/s]"),
+    ]
 
 
 def _top_view(roots: list[str], name: str) -> rrb.Spatial2DView:

@@ -3,7 +3,6 @@
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
-import cv2
 import numpy as np
 import rerun as rr
 from numpy.typing import NDArray
@@ -12,6 +11,7 @@ from pipeline.data.schema import AFFORDANCES
 from pipeline.inspection.excerpts import Excerpt
 from pipeline.inspection.footage import Footage, track_of
 from pipeline.inspection.pairs import Pair
+from pipeline.inspection.rerun_camera import COMPRESSED
 from pipeline.inspection.rerun_top_view import log_track, top_view
 from pipeline.inspection.rerun_traces import Trace, Tracer, dots, lane, level, line
 from pipeline.world.tracks import Track
@@ -30,29 +30,23 @@ def log_excerpt(excerpt: Excerpt, connect: Connect, *, fps: int, cut: float, tau
     Args:
         excerpt: what to send.
         connect: is called once, before anything is sent.
-        fps: frames per second.
-        cut, tau: as for `drive_traces`.
+        fps, cut, tau: as for `drive_tracer`.
 
     Raises:
         ValueError: the episode's task names no track.
     """
     footage = Footage.of_episode(excerpt.episode, excerpt.first_frame)
-    traces = drive_traces(cut=cut, tau=tau) + top_view(primary=BLUE, reference=RED)
     track = track_of(excerpt.episode.task)
     with new_recording(excerpt.name, excerpt.title, track, connect) as recording:
-        Tracer(recording, traces, fps=fps).send(footage)
+        drive_tracer(recording, fps=fps, cut=cut, tau=tau).send(footage)
 
 
 def log_pair(pair: Pair, connect: Connect, *, fps: int, cut: float, tau: float) -> None:
     """Send two drives on one track as one recording, under a/ and b/; else as `log_excerpt`."""
-    colors = {"a": (BLUE, RED), "b": (LIGHT_BLUE, ORANGE)}
+    drives = {"a/": (pair.a, (BLUE, RED)), "b/": (pair.b, (LIGHT_BLUE, ORANGE))}
     with new_recording(pair.name, pair.title, track_of(pair.a.task), connect) as recording:
-        for (root, (primary, reference)), episode in zip(
-            colors.items(), (pair.a, pair.b), strict=True
-        ):
-            seen = top_view(primary=primary, reference=reference, label=root)
-            traces = drive_traces(cut=cut, tau=tau) + seen
-            tracer = Tracer(recording, traces, fps=fps, root=f"{root}/")
+        for root, (episode, colors) in drives.items():
+            tracer = drive_tracer(recording, fps=fps, cut=cut, tau=tau, root=root, colors=colors)
             tracer.send(Footage.of_episode(episode))
 
 
@@ -76,15 +70,30 @@ def new_recording(
     recording.disconnect()
 
 
-def drive_traces(*, cut: float, tau: float) -> list[Trace]:
-    """What is shown of a drive beside the top view.
+def drive_tracer(
+    recording: rr.RecordingStream,
+    *,
+    fps: int,
+    cut: float,
+    tau: float,
+    root: str = "",
+    colors: tuple[int, int] = (BLUE, RED),
+    camera: Trace = COMPRESSED,
+) -> Tracer:
+    """What sends all that is shown of a drive.
 
     Args:
+        recording: is connected already.
+        fps: frames per second.
         cut: drawn with the safe probability: a frame below it is unsafe.
         tau: drawn with the deviation: a frame above it is unsafe.
+        root: in front of all entities where a recording has several drives: "a/", say.
+        colors: of the primary's and of the reference's driving in the top view.
+        camera: one of COMPRESSED and RAW.
     """
-    return [
-        Trace("camera", None, _pngs),
+    traces = [
+        camera,
+        *top_view(primary=colors[0], reference=colors[1], label=root.rstrip("/") or None),
         *_lanes(tau),
         # the primary's wish where it had one, and the reference's where it is known
         line("action/primary_steering", BLUE, lambda frames: frames.primary_action[:, 0]),
@@ -93,6 +102,7 @@ def drive_traces(*, cut: float, tau: float) -> list[Trace]:
         dots("action/reference_brake", ORANGE, lambda frames: frames.reference_action[:, 1]),
         line("safe_probability/safe_probability", GREEN, lambda frames: frames.safe_probability),
         level("safe_probability/cut", GREY, cut),
+        dots("safe_probability/reference_drives", RED, _drives),
         dots("deviation/deviation", PINK, lambda frames: frames.deviation),
         level("deviation/tau", GREY, tau),
         line("speed/speed", GREEN, lambda frames: frames.vehicle_state[:, 3]),
@@ -102,6 +112,7 @@ def drive_traces(*, cut: float, tau: float) -> list[Trace]:
         line("distance/distance_ahead", RED, _affordance("distance_ahead")),
         line("distance/distance_right", GREEN, _affordance("distance_right")),
     ]
+    return Tracer(recording, traces, fps=fps, root=root)
 
 
 def _lanes(tau: float) -> list[Trace]:
@@ -140,11 +151,6 @@ def _affordance(name: str) -> Callable[[Footage], NDArray[np.float32]]:
     return lambda frames: frames.affordances[:, column]
 
 
-def _pngs(footage: Footage) -> rr.ComponentColumnList:
-    """Lossless pictures."""
-    pngs = [_png(image) for image in footage.image]
-    return rr.EncodedImage.columns(blob=pngs, media_type=["image/png"] * len(pngs))
-
-
-def _png(image: NDArray[np.uint8]) -> bytes:
-    return cv2.imencode(".png", cv2.cvtColor(image, cv2.COLOR_RGB2BGR))[1].tobytes()
+def _drives(footage: Footage) -> NDArray[np.float64]:
+    """A row of dots, low in a plot, where the reference drives."""
+    return np.where(footage.intervention, 0.03, np.nan)

@@ -1,5 +1,6 @@
 """Traces: what Rerun shows of each frame of a drive, each under a name of its own, with its look."""
 
+import sys
 from collections.abc import Callable
 from dataclasses import dataclass
 
@@ -9,7 +10,7 @@ from numpy.typing import NDArray
 
 from pipeline.inspection.footage import Footage
 
-FRAMES_AT_ONCE = 64  # bounds the pictures that are in memory as PNG
+ALL = sys.maxsize
 
 
 @dataclass(frozen=True)
@@ -21,6 +22,9 @@ class Trace:
     """What is the same in all frames: names, colours, widths."""
     columns: Callable[[Footage], rr.ComponentColumnList]
     """What differs: a row for each frame."""
+    at_once: int = ALL
+    """Frames at a time, to bound memory. All for lanes: the viewer shows them as far as it gets at
+    first (rerun-io/rerun#12763)."""
 
 
 class Tracer:
@@ -46,14 +50,15 @@ class Tracer:
 
     def send(self, footage: Footage) -> None:
         """Send the next frames, one or many."""
-        for start in range(0, len(footage), FRAMES_AT_ONCE):
-            some = footage.rows(start, start + FRAMES_AT_ONCE)
-            times = [
-                rr.TimeColumn("frame_index", sequence=some.frame),
-                rr.TimeColumn("timestamp", duration=some.frame / self._fps),
-            ]
-            for trace in self._traces:
-                self._recording.send_columns(self._root + trace.entity, times, trace.columns(some))
+        for trace in self._traces:
+            for start in range(0, len(footage), trace.at_once):
+                some = footage.rows(start, min(start + trace.at_once, len(footage)))
+                times = [
+                    rr.TimeColumn("frame_index", sequence=some.frame),
+                    rr.TimeColumn("timestamp", duration=some.frame / self._fps),
+                ]
+                entity = self._root + trace.entity
+                self._recording.send_columns(entity, times, trace.columns(some))
 
 
 def line(
