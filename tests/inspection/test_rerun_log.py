@@ -35,6 +35,7 @@ PLOTS = {
     "/action/reference_brake",
     "/safe_probability/safe_probability",
     "/safe_probability/cut",
+    "/safe_probability/reference_drives",
     "/deviation/deviation",
     "/deviation/tau",
     "/distance/distance_left",
@@ -92,6 +93,14 @@ def test_every_entity_has_every_row_on_both_timelines(saved: Path, episodes: lis
                 assert set(chunk.timeline_names) == {"frame_index", "timestamp"}
                 rows[chunk.entity_path] += chunk.num_rows
         assert rows == dict.fromkeys(LANES | PLOTS | TOP_VIEW | {"/camera"}, len(episode))
+
+
+def test_lanes_arrive_whole(saved: Path) -> None:
+    """The viewer shows no more of them than it gets at first."""
+    for entry in recordings(saved):
+        chunks = RrdReader(saved).stream(store=entry).to_chunks()
+        rows = Counter(chunk.entity_path for chunk in chunks if chunk.timeline_names)
+        assert {rows[lane] for lane in LANES} == {1}
 
 
 def test_the_blueprint_travels_in_the_file(saved: Path) -> None:

@@ -24,6 +24,7 @@ STAGES = [
     "report",
     "compare",
     "inspect",
+    "watch",
 ]
 HEAVY = {"torch", "lerobot", "pybullet", "numpy", "matplotlib", "datasets"}
 
