@@ -17,6 +17,7 @@ OF_A_RUN = {
     "compare",
     "inspect",
     "compare-datasets",
+    "watch",
 }  # what has more to it than one iteration
 
 
