@@ -17,7 +17,7 @@ def inspect(
         bool,
         typer.Option(
             "--unsafe",
-            help="Only takeovers: two seconds before to one second after each, most unsafe first.",
+            help="Only takeovers, two seconds before to one second after each; the most unsafe is 0001.",
         ),
     ] = False,
     save: options.Save = None,
