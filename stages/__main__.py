@@ -7,7 +7,7 @@ from typer import TyperException
 
 from stages import (
     collect,
-    compare,
+    compare_datasets,
     contact_sheet,
     errors,
     evaluate,
@@ -22,6 +22,7 @@ from stages import (
     select,
     train_primary,
     train_safety,
+    watch,
 )
 
 app = typer.Typer(
@@ -45,8 +46,9 @@ for stage in (
     contact_sheet,
     film,
     report,
-    compare,
     inspect,
+    compare_datasets,
+    watch,
 ):
     app.add_typer(stage.app)
 

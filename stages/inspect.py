@@ -1,17 +1,10 @@
 """Look into a dataset: what the car saw, what each policy wanted, who drove, and why."""
 
-from contextlib import suppress
-from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
 
 from stages import options
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-
-    from pipeline.inspection.excerpts import Excerpt
 
 app = typer.Typer()
 
@@ -24,43 +17,23 @@ def inspect(
         bool,
         typer.Option(
             "--unsafe",
-            help="Only takeovers: two seconds before to one second after each, most unsafe first.",
+            help="Only takeovers, two seconds before to one second after each; the most unsafe is 0001.",
         ),
     ] = False,
-    save: Annotated[
-        Path | None, typer.Option(help="Write a Rerun file (.rrd) instead. It must not exist.")
-    ] = None,
-    web: Annotated[
-        bool, typer.Option("--web", help="Serve it to a browser on this machine instead.")
-    ] = False,
+    save: options.Save = None,
+    web: options.Web = False,
     cut: options.Cut = 0.5,
-    tau: Annotated[
-        float, typer.Option(min=0, help="A frame is unsafe above this deviation.")
-    ] = 0.0025,
+    tau: options.Tau = 0.0025,
 ) -> None:
     """Show a dataset in Rerun, one recording for each episode."""
     from pipeline.data.reading import check_dataset
     from pipeline.data.schema import CONTROL_HZ
     from pipeline.inspection.excerpts import around_takeovers, whole_episodes
+    from pipeline.inspection.rerun_blueprints import drive_blueprint
     from pipeline.inspection.rerun_log import log_excerpt
-    from pipeline.inspection.rerun_sinks import into_file, into_viewer
 
-    if save is not None and web:
-        raise typer.BadParameter("--save and --web exclude each other")
     fps = CONTROL_HZ // check_dataset(dataset)
-    if unsafe:
-        # the viewer turns to each recording that arrives (rerun-io/rerun#12950): end with the first
-        excerpts: Iterator[Excerpt] = reversed(around_takeovers(dataset, episode))
-    else:
-        excerpts = whole_episodes(dataset, episode)
-    if save is not None:
-        with into_file(save, fps) as connect:
-            for excerpt in excerpts:
-                log_excerpt(excerpt, connect, fps=fps, cut=cut, tau=tau)
-        typer.echo(f"{save}: open it with `rerun {save}`")
-        return
-    with suppress(KeyboardInterrupt), into_viewer(fps, web=web) as (connect, address):
-        if web:
-            typer.echo(f"{address} (Ctrl-C to end)")
+    excerpts = around_takeovers(dataset, episode) if unsafe else whole_episodes(dataset, episode)
+    with options.rerun_sink(save, web, drive_blueprint(fps)) as sink:
         for excerpt in excerpts:
-            log_excerpt(excerpt, connect, fps=fps, cut=cut, tau=tau)
+            log_excerpt(excerpt, sink.connect, fps=fps, cut=cut, tau=tau)

@@ -2,12 +2,17 @@
 
 import os
 from collections.abc import Callable, Iterator, Mapping
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from enum import StrEnum
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
+
+if TYPE_CHECKING:
+    from rerun.blueprint import Blueprint
+
+    from pipeline.inspection.rerun_sinks import Sink
 
 
 class OptimizerName(StrEnum):
@@ -39,11 +44,17 @@ RecordEvery = Annotated[
 Cut = Annotated[
     float, typer.Option(min=0, max=1, help="A frame is unsafe below this safe probability.")
 ]
+Tau = Annotated[float, typer.Option(min=0, help="A frame is unsafe above this deviation.")]
 Metrics = Annotated[Path, typer.Option(help="Where to write what was measured (JSON).")]
 Seed = Annotated[
     int, typer.Option(min=0, help="Of every random choice: equal seeds give equal bytes.")
 ]
 Workers = Annotated[int, typer.Option(min=1, help="Processes. The result does not depend on it.")]
+
+Save = Annotated[
+    Path | None, typer.Option(help="Write a Rerun file (.rrd) instead. It must not exist.")
+]
+Web = Annotated[bool, typer.Option("--web", help="Serve it to a browser on this machine instead.")]
 
 Optimizer = Annotated[
     OptimizerName, typer.Option(help="sgd is the paper's, adamw one cycle of AdamW.")
@@ -85,3 +96,21 @@ def progress(what: str, total: float) -> Iterator[Callable[[float], None]]:
 def figures(metrics: Mapping[str, float | None]) -> str:
     """Metrics on one line."""
     return ", ".join(f"{name} {value:.4g}" for name, value in metrics.items() if value is not None)
+
+
+@contextmanager
+def rerun_sink(save: Path | None, web: bool, blueprint: "Blueprint") -> Iterator["Sink"]:
+    """The file `save`, or a page for a browser, or else a window: until it is closed, or Ctrl-C."""
+    from pipeline.inspection.rerun_sinks import into_file, into_viewer
+
+    if save is not None and web:
+        raise typer.BadParameter("--save and --web exclude each other")
+    if save is not None:
+        with into_file(save, blueprint) as sink:
+            yield sink
+        typer.echo(f"{save}: open it with `rerun {save}`")
+        return
+    with suppress(KeyboardInterrupt), into_viewer(blueprint, web=web) as sink:
+        if sink.page is not None:
+            typer.echo(f"{sink.page} (Ctrl-C to end)")
+        yield sink

@@ -1,1 +1,1 @@
-"""Pictures to look at: tracks and sample frames."""
+"""What there is to look at: pictures of tracks and frames; datasets and live drives in Rerun."""

@@ -6,7 +6,7 @@ from pathlib import Path
 
 from pipeline.data.reading import check_dataset, read_columns, read_episodes
 from pipeline.data.schema import CONTROL_HZ, Episode
-from pipeline.inspection.takeovers import takeovers
+from pipeline.inspection.takeovers import Takeover, takeovers
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,13 +39,15 @@ def whole_episodes(path: Path, only: int | None = None) -> Iterator[Excerpt]:
     )
 
 
-def around_takeovers(path: Path, only: int | None = None) -> list[Excerpt]:
-    """The window around every takeover, most unsafe first; of all episodes or of `only` one.
+def around_takeovers(path: Path, only: int | None = None) -> Iterator[Excerpt]:
+    """The window around every takeover of all episodes or of `only` one, read one at a time.
 
-    The most unsafe may be the last, so all images are in memory: 35 kB each.
+    Their titles rank them, the most unsafe is the first. That one comes last, where a viewer stays;
+    the others come in the order of the dataset: to have their images in order, all of them would
+    have to be in memory.
 
     Raises:
-        FileNotFoundError, ValueError: as `whole_episodes`, or there is no takeover.
+        FileNotFoundError, ValueError: as `whole_episodes`, or there is no takeover; at once.
     """
     _check_episode(path, only)
     columns = read_columns(path, ["intervention", "safe_probability"])
@@ -62,17 +64,29 @@ def around_takeovers(path: Path, only: int | None = None) -> list[Excerpt]:
     if not chosen:
         where = path if only is None else f"{path}: episode {only}"
         raise ValueError(f"{where} has no takeovers, expected some of a safety policy's")
-    episodes = list(read_episodes(path))
-    return [
-        Excerpt(
-            f"takeover {rank:04d}: safe probability {takeover.safe_probability:.3f}, episode "
-            f"{takeover.episode}, frame {takeover.start}, {_origin(episodes[takeover.episode])}",
-            f"{path.name}/takeover_{rank:04d}",
-            episodes[takeover.episode].rows(takeover.first, takeover.end),
-            takeover.first,
-        )
-        for rank, takeover in enumerate(chosen, 1)
-    ]
+    return _windows(path, chosen)
+
+
+def _windows(path: Path, ranked: list[Takeover]) -> Iterator[Excerpt]:
+    """As `around_takeovers` has them; `ranked` is most unsafe first."""
+    of_episode: dict[int, list[tuple[int, Takeover]]] = {}
+    for rank, takeover in enumerate(ranked, 1):
+        of_episode.setdefault(takeover.episode, []).append((rank, takeover))
+    first: list[Excerpt] = []
+    for i, episode in enumerate(read_episodes(path)):
+        for rank, takeover in of_episode.get(i, []):
+            excerpt = Excerpt(
+                f"takeover {rank:04d}: safe probability {takeover.safe_probability:.3f}, episode "
+                f"{i}, frame {takeover.start}, {_origin(episode)}",
+                f"{path.name}/takeover_{rank:04d}",
+                episode.rows(takeover.first, takeover.end),
+                takeover.first,
+            )
+            if rank == 1:
+                first.append(excerpt)
+            else:
+                yield excerpt
+    yield from first
 
 
 def _check_episode(path: Path, only: int | None) -> None:

@@ -4,15 +4,17 @@ import os
 import socket
 import subprocess
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from dataclasses import dataclass
 from itertools import count
 from pathlib import Path
 from urllib.parse import quote
 
 import rerun as rr
+import rerun.blueprint as rrb
 
-from pipeline.inspection.rerun_log import Connect, blueprint
+from pipeline.inspection.rerun_log import Connect
 from pipeline.output import new_directory, refuse_existing
 
 LOOPBACK = "127.0.0.1"  # Rerun's own default is to be open to the whole network
@@ -24,13 +26,25 @@ _BROKE = (
 )
 
 
+@dataclass(frozen=True)
+class Sink:
+    """A place where recordings can go."""
+
+    connect: Connect
+    """Connects a new stream to it."""
+    is_open: Callable[[], bool]
+    """Whether it still takes anything: a viewer may be closed at any time."""
+    page: str | None = None
+    """The address of a page that shows it."""
+
+
 @contextmanager
-def into_file(path: Path, fps: int) -> Iterator[Connect]:
-    """Connects streams to one file at `path`, which appears complete or not at all.
+def into_file(path: Path, blueprint: rrb.Blueprint) -> Iterator[Sink]:
+    """One file at `path`, which appears complete or not at all.
 
     Args:
         path: a new file.
-        fps: frames per second, for playing.
+        blueprint: where the viewer shows what.
 
     Raises:
         FileExistsError: there is something at `path`.
@@ -43,10 +57,10 @@ def into_file(path: Path, fps: int) -> Iterator[Connect]:
 
         def connect(recording: rr.RecordingStream) -> None:
             part = whole.with_name(f"{len(parts)}_{path.name}")
-            recording.save(part, default_blueprint=None if parts else blueprint(fps))
+            recording.save(part, default_blueprint=None if parts else blueprint)
             parts.append(part)
 
-        yield connect
+        yield Sink(connect, lambda: True)
         # merge holds all in memory; `rrd route` would not, but panics on some files (0.33.1)
         merge: list[str | Path] = [_RERUN, "rrd", "merge", "--output", whole, *parts]
         subprocess.run(merge, check=True, capture_output=True, env=_ENVIRONMENT)
@@ -54,16 +68,14 @@ def into_file(path: Path, fps: int) -> Iterator[Connect]:
 
 
 @contextmanager
-def into_viewer(fps: int, *, web: bool) -> Iterator[tuple[Connect, str]]:
+def into_viewer(blueprint: rrb.Blueprint, *, web: bool) -> Iterator[Sink]:
     """Starts a viewer that only this machine can reach, and in the end waits until it is closed.
 
-    Args:
-        fps: frames per second, for playing.
-        web: serve a page to a browser, instead of opening a window.
+    Connecting to a viewer that was closed ends the block.
 
-    Yields:
-        What connects streams to the viewer, and the address of the page. Closing the window ends
-        the block too.
+    Args:
+        blueprint: where the viewer shows what.
+        web: serve a page to a browser, instead of opening a window.
 
     Raises:
         ValueError: the viewer did not start, or broke down.
@@ -77,19 +89,23 @@ def into_viewer(fps: int, *, web: bool) -> Iterator[tuple[Connect, str]]:
         stderr=subprocess.DEVNULL,
         env=_ENVIRONMENT,
     )
+    address = f"http://{LOOPBACK}:{page}/?url={quote(data, safe='')}"
     connected = count()
 
+    def is_open() -> bool:
+        return process.poll() is None
+
     def connect(recording: rr.RecordingStream) -> None:
-        if process.poll() is not None:
+        if not is_open():
             raise RuntimeError("the viewer was closed")
-        recording.connect_grpc(data, default_blueprint=None if next(connected) else blueprint(fps))
+        recording.connect_grpc(data, default_blueprint=None if next(connected) else blueprint)
 
     try:
         _await(process, port)
         try:
-            yield connect, f"http://{LOOPBACK}:{page}/?url={quote(data, safe='')}"
+            yield Sink(connect, is_open, address if web else None)
         except RuntimeError:
-            if process.poll() is None:
+            if is_open():
                 raise
         if process.wait() > 0:
             raise ValueError(_BROKE)

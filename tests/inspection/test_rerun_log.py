@@ -3,23 +3,26 @@
 import os
 import re
 import socket
+import weakref
 from collections import Counter
 from pathlib import Path
-from typing import Any
 
 import cv2
 import numpy as np
 import pytest
-from rerun.experimental import RrdReader, StoreEntry
+from rerun.experimental import RrdReader
 
 from pipeline.data.schema import AFFORDANCES, CAMERA, Episode
 from pipeline.data.writing import write_dataset
 from pipeline.inspection.excerpts import Excerpt, around_takeovers, whole_episodes
+from pipeline.inspection.rerun_blueprints import drive_blueprint
 from pipeline.inspection.rerun_log import log_excerpt
 from pipeline.inspection.rerun_sinks import into_file, into_viewer
 from tests.episodes import random_episode
+from tests.inspection.saved import column, origins, recordings
 
 FPS, CUT, TAU = 10, 0.25, 0.01
+BLUEPRINT = drive_blueprint(FPS)
 LANES = {f"/around/{name}" for name in AFFORDANCES[:5]} | {
     "/who/drove",
     "/who/was_asked",
@@ -32,6 +35,7 @@ PLOTS = {
     "/action/reference_brake",
     "/safe_probability/safe_probability",
     "/safe_probability/cut",
+    "/safe_probability/reference_drives",
     "/deviation/deviation",
     "/deviation/tau",
     "/distance/distance_left",
@@ -39,7 +43,9 @@ PLOTS = {
     "/distance/distance_right",
     "/in_lane/lane_position",
     "/in_lane/lane_angle",
+    "/speed/speed",
 }
+TOP_VIEW = {f"/top_view/{name}" for name in ("driven", "others", "car", "heading")}
 
 
 @pytest.fixture(scope="module")
@@ -47,8 +53,8 @@ def episodes() -> list[Episode]:
     """A drive of the reference; one of primary and reference, longer than a batch of images."""
     rng = np.random.default_rng(0)
     return [
-        random_episode(rng, 5, task="drive on alder", reference_only=True),
-        random_episode(rng, 70, task="drive on birch", iteration=2, episode=1),
+        random_episode(rng, 5, task="drive on alder with 3 other cars", reference_only=True),
+        random_episode(rng, 70, task="drive on birch with 0 other cars", iteration=2, episode=1),
     ]
 
 
@@ -66,26 +72,10 @@ def saved(tmp_path_factory: pytest.TempPathFactory, dataset: Path) -> Path:
 
 
 def save(path: Path, excerpts: list[Excerpt]) -> Path:
-    with into_file(path, FPS) as connect:
+    with into_file(path, BLUEPRINT) as sink:
         for excerpt in excerpts:
-            log_excerpt(excerpt, connect, fps=FPS, cut=CUT, tau=TAU)
+            log_excerpt(excerpt, sink.connect, fps=FPS, cut=CUT, tau=TAU)
     return path
-
-
-def recordings(path: Path) -> list[StoreEntry]:
-    return RrdReader(path).recordings()
-
-
-def column(path: Path, entry: StoreEntry, entity: str, component: str) -> list[Any]:
-    """What an entity shows, in the order of time: the only value of each row, or None."""
-    rows: list[tuple[int, Any]] = []
-    for chunk in RrdReader(path).stream(store=entry).to_chunks():
-        if chunk.entity_path == entity and chunk.timeline_names:
-            batch = chunk.to_record_batch().to_pydict()
-            values = batch[next(name for name in batch if name.endswith(component))]
-            times = zip(batch["frame_index"], values, strict=True)
-            rows += [(frame, value[0]) for frame, value in times]
-    return [value for _, value in sorted(rows, key=lambda row: row[0])]
 
 
 def test_every_episode_is_a_recording_of_one_application(saved: Path) -> None:
@@ -102,20 +92,23 @@ def test_every_entity_has_every_row_on_both_timelines(saved: Path, episodes: lis
             if chunk.timeline_names:
                 assert set(chunk.timeline_names) == {"frame_index", "timestamp"}
                 rows[chunk.entity_path] += chunk.num_rows
-        assert rows == dict.fromkeys(LANES | PLOTS | {"/camera"}, len(episode))
+        assert rows == dict.fromkeys(LANES | PLOTS | TOP_VIEW | {"/camera"}, len(episode))
+
+
+def test_lanes_arrive_whole(saved: Path) -> None:
+    """The viewer shows no more of them than it gets at first."""
+    for entry in recordings(saved):
+        chunks = RrdReader(saved).stream(store=entry).to_chunks()
+        rows = Counter(chunk.entity_path for chunk in chunks if chunk.timeline_names)
+        assert {rows[lane] for lane in LANES} == {1}
 
 
 def test_the_blueprint_travels_in_the_file(saved: Path) -> None:
-    (blueprint,) = RrdReader(saved).blueprints()
-    assert blueprint.application_id == "safedagger"
-    chunks = RrdReader(saved).stream(store=blueprint).to_chunks()
-    origins = {
-        batch["ViewBlueprint:space_origin"][0][0]
-        for batch in (chunk.to_record_batch().to_pydict() for chunk in chunks)
-        if "ViewBlueprint:space_origin" in batch
-    }
+    shown = origins(saved)
     for entity in LANES | PLOTS | {"/camera"}:
-        assert any(f"{entity}/".startswith(f"/{origin.strip('/')}/") for origin in origins), entity
+        assert any(
+            f"{entity}/".startswith(f"/{origin.strip('/')}/") for origin in shown if origin != "/"
+        ), entity
 
 
 def test_the_camera_is_shown_without_loss(saved: Path, episodes: list[Episode]) -> None:
@@ -153,7 +146,7 @@ def test_who_drove_and_why(saved: Path, episodes: list[Episode]) -> None:
 
 def test_one_episode_only(dataset: Path, episodes: list[Episode]) -> None:
     (excerpt,) = whole_episodes(dataset, 1)
-    assert excerpt.title == "episode 0001: iteration 2, drive on birch"
+    assert excerpt.title == "episode 0001: iteration 2, drive on birch with 0 other cars"
     np.testing.assert_array_equal(excerpt.episode.columns[CAMERA], episodes[1].columns[CAMERA])
     for unknown in (-1, 2):
         with pytest.raises(ValueError, match=f"no episode {unknown}, expected 0 to 1"):
@@ -165,16 +158,39 @@ def test_one_episode_only(dataset: Path, episodes: list[Episode]) -> None:
 def test_takeovers_keep_the_time_of_their_episode(
     dataset: Path, episodes: list[Episode], tmp_path: Path
 ) -> None:
-    excerpts = around_takeovers(dataset)
-    assert [excerpt.title[:13] for excerpt in excerpts[:2]] == ["takeover 0001", "takeover 0002"]
+    excerpts = list(around_takeovers(dataset))
+    assert excerpts[-1].title.startswith("takeover 0001: ")
     probability = episodes[1].columns["safe_probability"][:, 0]
-    assert f"safe probability {probability.min():.3f}" in excerpts[0].title
-    first, stop = excerpts[0].first_frame, excerpts[0].first_frame + len(excerpts[0])
+    assert f"safe probability {probability.min():.3f}" in excerpts[-1].title
+    first, stop = excerpts[-1].first_frame, excerpts[-1].first_frame + len(excerpts[-1])
     assert first <= probability.argmin() < stop
-    path = save(tmp_path / "unsafe.rrd", excerpts[:1])
+    path = save(tmp_path / "unsafe.rrd", excerpts[-1:])
     (entry,) = recordings(path)
     drove = np.where(episodes[1].columns["intervention"][first:stop, 0], "reference", "primary")
     assert column(path, entry, "/who/drove", "state") == drove.tolist()
+
+
+def test_takeovers_are_ranked_by_their_titles(dataset: Path) -> None:
+    titles = [excerpt.title for excerpt in around_takeovers(dataset)]
+    assert [title[:14] for title in sorted(titles)] == [
+        f"takeover {rank:04d}:" for rank in range(1, len(titles) + 1)
+    ]
+    probabilities = [float(title.split()[4].strip(",")) for title in sorted(titles)]
+    assert probabilities == sorted(probabilities)
+
+
+def test_few_episodes_are_in_memory_at_a_time(tmp_path: Path) -> None:
+    rng = np.random.default_rng(0)
+    write_dataset(tmp_path / "many", (random_episode(rng, 12) for _ in range(8)), record_every=3)
+    seen: list[weakref.ref[np.ndarray]] = []
+    for excerpt in around_takeovers(tmp_path / "many"):
+        images = excerpt.episode.columns[CAMERA].base
+        assert isinstance(images, np.ndarray)
+        if not any(images is image() for image in seen):
+            seen.append(weakref.ref(images))
+        del images, excerpt
+        assert sum(image() is not None for image in seen) <= 2  # this one and the most unsafe
+    assert len(seen) == 8
 
 
 def test_where_the_reference_drove_alone_is_no_takeover(dataset: Path) -> None:
@@ -188,12 +204,12 @@ def test_a_file_is_never_overwritten_and_never_half_there(dataset: Path, tmp_pat
         save(tmp_path / "mine.rrd", [])
     with pytest.raises(ValueError, match=r"ends in \.rrd"):
         save(tmp_path / "mine.txt", [])
-    with pytest.raises(KeyboardInterrupt), into_file(tmp_path / "new.rrd", FPS) as connect:
-        log_excerpt(next(whole_episodes(dataset)), connect, fps=FPS, cut=CUT, tau=TAU)
+    with pytest.raises(KeyboardInterrupt), into_file(tmp_path / "new.rrd", BLUEPRINT) as sink:
+        log_excerpt(next(whole_episodes(dataset)), sink.connect, fps=FPS, cut=CUT, tau=TAU)
         raise KeyboardInterrupt
     excerpt = next(whole_episodes(dataset))
-    with pytest.raises(FileExistsError), into_file(tmp_path / "late.rrd", FPS) as connect:
-        log_excerpt(excerpt, connect, fps=FPS, cut=CUT, tau=TAU)
+    with pytest.raises(FileExistsError), into_file(tmp_path / "late.rrd", BLUEPRINT) as sink:
+        log_excerpt(excerpt, sink.connect, fps=FPS, cut=CUT, tau=TAU)
         (tmp_path / "late.rrd").write_text("precious")
     assert sorted(path.name for path in tmp_path.iterdir()) == ["late.rrd", "mine.rrd"]
     assert {path.read_text() for path in tmp_path.iterdir()} == {"precious"}
@@ -201,12 +217,14 @@ def test_a_file_is_never_overwritten_and_never_half_there(dataset: Path, tmp_pat
 
 @pytest.mark.skipif(not Path("/proc/net/tcp").exists(), reason="lists who listens, on Linux")
 def test_only_this_machine_reaches_the_page(dataset: Path) -> None:
-    with pytest.raises(KeyboardInterrupt), into_viewer(FPS, web=True) as (connect, address):
-        log_excerpt(next(whole_episodes(dataset)), connect, fps=FPS, cut=CUT, tau=TAU)
-        ports = [int(port) for port in re.findall(r"127\.0\.0\.1(?::|%3A)(\d+)", address)]
+    with pytest.raises(KeyboardInterrupt), into_viewer(BLUEPRINT, web=True) as sink:
+        log_excerpt(next(whole_episodes(dataset)), sink.connect, fps=FPS, cut=CUT, tau=TAU)
+        ports = [int(port) for port in re.findall(r"127\.0\.0\.1(?::|%3A)(\d+)", sink.page or "")]
         assert len(ports) == 2
         assert [listening(port) for port in ports] == [{"0100007F"}, {"0100007F"}]
+        assert sink.is_open()
         raise KeyboardInterrupt
+    assert not sink.is_open()
     for port in ports:
         with socket.socket() as probe:
             assert probe.connect_ex(("127.0.0.1", port)) != 0
@@ -229,5 +247,5 @@ def test_a_window_needs_a_display(monkeypatch: pytest.MonkeyPatch) -> None:
         "pipeline.inspection.rerun_sinks._ENVIRONMENT",
         {"PATH": os.environ["PATH"], "RERUN_ANALYTICS": "0"},
     )
-    with pytest.raises(ValueError, match="needs a display"), into_viewer(FPS, web=False):
+    with pytest.raises(ValueError, match="needs a display"), into_viewer(BLUEPRINT, web=False):
         pass

@@ -24,6 +24,7 @@ STAGES = [
     "report",
     "compare",
     "inspect",
+    "watch",
 ]
 HEAVY = {"torch", "lerobot", "pybullet", "numpy", "matplotlib", "datasets"}
 
@@ -119,6 +120,7 @@ def test_an_output_that_exists_is_left_alone(
         ("select", "missing", "out", "--cut", "0.5"),
         ("contact-sheet", "missing", "out", "--frames", "3"),
         ("inspect", "missing"),
+        ("compare", "missing", "missing"),
         ("sample", "missing", "out", "--frames", "3", "--seed", "0"),
         ("merge", "missing", "missing", "out"),
         ("ledger", "missing", "missing", "--metrics", "out"),

@@ -1,0 +1,96 @@
+"""Traces: what Rerun shows of each frame of a drive, each under a name of its own, with its look."""
+
+import sys
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+import rerun as rr
+from numpy.typing import NDArray
+
+from pipeline.inspection.footage import Footage
+
+ALL = sys.maxsize
+
+
+@dataclass(frozen=True)
+class Trace:
+    """One entity of a recording."""
+
+    entity: str
+    look: rr.AsComponents | None
+    """What is the same in all frames: names, colours, widths."""
+    columns: Callable[[Footage], rr.ComponentColumnList]
+    """What differs: a row for each frame."""
+    at_once: int = ALL
+    """Frames at a time, to bound memory. All for lanes: the viewer shows them as far as it gets at
+    first (rerun-io/rerun#12763)."""
+
+
+class Tracer:
+    """Sends a drive to a recording, on the timelines `frame_index` and `timestamp`.
+
+    Args:
+        recording: is connected already.
+        traces: what to send.
+        fps: frames per second.
+        root: in front of every entity, where a recording has several drives: "a/", say.
+    """
+
+    def __init__(
+        self, recording: rr.RecordingStream, traces: list[Trace], *, fps: int, root: str = ""
+    ) -> None:
+        self._recording = recording
+        self._traces = traces
+        self._fps = fps
+        self._root = root
+        for trace in traces:
+            if trace.look is not None:
+                recording.log(root + trace.entity, trace.look, static=True)
+
+    def send(self, footage: Footage) -> None:
+        """Send the next frames, one or many."""
+        for trace in self._traces:
+            for start in range(0, len(footage), trace.at_once):
+                some = footage.rows(start, min(start + trace.at_once, len(footage)))
+                times = [
+                    rr.TimeColumn("frame_index", sequence=some.frame),
+                    rr.TimeColumn("timestamp", duration=some.frame / self._fps),
+                ]
+                entity = self._root + trace.entity
+                self._recording.send_columns(entity, times, trace.columns(some))
+
+
+def line(
+    entity: str, color: int, values: Callable[[Footage], NDArray], *, width: float = 1.5
+) -> Trace:
+    """A plot of `values`, [T], that are known in most frames, else NaN."""
+    return _plot(entity, rr.SeriesLines(names=_label(entity), colors=color, widths=width), values)
+
+
+def dots(entity: str, color: int, values: Callable[[Footage], NDArray]) -> Trace:
+    """A plot of `values`, [T], known in some frames, else NaN: a line would not show a single one."""
+    look = rr.SeriesPoints(names=_label(entity), colors=color, marker_sizes=2.0)
+    return _plot(entity, look, values)
+
+
+def level(entity: str, color: int, value: float) -> Trace:
+    """A thin line at `value` in a plot."""
+    return line(entity, color, lambda footage: np.full(len(footage), value), width=1.0)
+
+
+def lane(entity: str, colors: dict[str, int], states: Callable[[Footage], NDArray]) -> Trace:
+    """A lane of `states`, [T], in their `colors`; the empty state is a gap."""
+    return Trace(
+        entity,
+        rr.StateConfiguration(values=list(colors), colors=list(colors.values())),
+        lambda footage: rr.StateChange.columns(state=states(footage).tolist()),
+    )
+
+
+def _plot(entity: str, look: rr.AsComponents, values: Callable[[Footage], NDArray]) -> Trace:
+    return Trace(entity, look, lambda footage: rr.Scalars.columns(scalars=values(footage)))
+
+
+def _label(entity: str) -> str:
+    return entity.rsplit("/")[-1].replace("_", " ")

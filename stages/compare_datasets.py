@@ -1,0 +1,36 @@
+"""See two iterations side by side: the same tracks, driven by each."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from stages import options
+
+app = typer.Typer()
+
+
+@app.command(name="compare")
+def compare_datasets(
+    a: Annotated[Path, typer.Argument(help="A dataset, of an iteration's rollout say ...")],
+    b: Annotated[Path, typer.Argument(help="... and another one, with some of the same tracks.")],
+    drive: Annotated[
+        int, typer.Option(min=0, help="Which drive on each track; 0 is the first.")
+    ] = 0,
+    save: options.Save = None,
+    web: options.Web = False,
+    cut: options.Cut = 0.5,
+    tau: options.Tau = 0.0025,
+) -> None:
+    """Show two datasets side by side in Rerun, one recording for each track that both have."""
+    from pipeline.data.reading import check_dataset
+    from pipeline.data.schema import CONTROL_HZ
+    from pipeline.inspection.pairs import pairs
+    from pipeline.inspection.rerun_blueprints import pair_blueprint
+    from pipeline.inspection.rerun_log import log_pair
+
+    found = pairs(a, b, drive)
+    fps = CONTROL_HZ // check_dataset(a)
+    with options.rerun_sink(save, web, pair_blueprint(fps)) as sink:
+        for pair in found:
+            log_pair(pair, sink.connect, fps=fps, cut=cut, tau=tau)

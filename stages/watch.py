@@ -1,0 +1,83 @@
+"""Watch a drive while it is driven: any policies, strategy and track."""
+
+from contextlib import suppress
+from enum import StrEnum
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from stages import options
+
+app = typer.Typer()
+
+
+class Driving(StrEnum):
+    """Who drives."""
+
+    naive = "naive"
+    safe = "safe"
+    optimal = "optimal"
+    reference = "reference"
+
+
+@app.command()
+def watch(
+    track: Annotated[str, typer.Option(help="Its name; 'random:<seed>' is one too.")],
+    traffic: options.Traffic,
+    strategy: Annotated[Driving, typer.Option(help="Who drives. reference needs no policies.")],
+    seconds: options.Seconds,
+    seed: options.Seed,
+    primary: Annotated[
+        Path | None, typer.Argument(help="A primary policy, as train-primary writes it.")
+    ] = None,
+    safety: Annotated[
+        Path | None, typer.Argument(help="Its safety policy, as train-safety writes it.")
+    ] = None,
+    record_every: options.RecordEvery = 3,
+    cut: options.Cut = 0.5,
+    save: options.Save = None,
+    web: options.Web = False,
+) -> None:
+    """Drive, and show it in Rerun meanwhile. Ctrl-C ends the drive."""
+    from pipeline.data.schema import CONTROL_HZ
+    from pipeline.inspection.live import Tally, in_real_time, watched
+    from pipeline.inspection.rerun_blueprints import live_blueprint
+    from pipeline.inspection.rerun_camera import RAW
+    from pipeline.inspection.rerun_log import drive_tracer, new_recording
+    from pipeline.policies.inference import SAFETY_TYPE, Driver, read_config
+    from pipeline.policies.recording import Drive
+    from pipeline.policies.strategies import Rule, Strategy
+    from pipeline.world.tracks import make_track
+
+    driver, rule, tau = None, Rule(Strategy.REFERENCE), float("nan")
+    if primary is not None and safety is not None:
+        driver = Driver.load(primary, safety)
+        labels = read_config(safety, SAFETY_TYPE)  # by which the safety policy's labels were made
+        tau, brake = labels["tau"], labels["include_brake"]
+        rule = Rule(Strategy(strategy), cut=cut, tau=tau, include_brake=brake)
+    elif primary is not None or strategy is not Driving.reference:
+        raise typer.BadParameter(f"{strategy} needs a primary and its safety policy")
+    plan = Drive(
+        track=track,
+        traffic=traffic,
+        spread=(0.0, 0.0),
+        seed=(seed,),
+        rule=rule,
+        record_every=record_every,
+        seconds=seconds,
+    )
+    fps = CONTROL_HZ // record_every
+    frames = watched(plan, driver)
+    tally = Tally()
+    with options.rerun_sink(save, web, live_blueprint(fps)) as sink:
+        name, title = f"{track}/{strategy}/{seed}", f"{strategy}, {plan.task}, seed {seed}"
+        with new_recording(name, title, make_track(track), sink.connect) as recording:
+            tracer = drive_tracer(recording, fps=fps, cut=cut, tau=tau, camera=RAW)
+            with suppress(KeyboardInterrupt):
+                for world, footage in frames if save else in_real_time(frames, fps):
+                    if not sink.is_open():
+                        break
+                    tracer.send(footage)
+                    tally.add(world, footage)
+            typer.echo(tally)

@@ -1,0 +1,119 @@
+"""What is seen of a drive while it is driven is what a recording of it would hold."""
+
+import time
+from dataclasses import replace
+from itertools import pairwise
+from pathlib import Path
+
+import numpy as np
+import pytest
+import torch
+
+from pipeline.data.schema import CAMERA, CONTROL_HZ
+from pipeline.inspection.footage import Footage
+from pipeline.inspection.live import Tally, in_real_time, watched
+from pipeline.inspection.rerun_blueprints import live_blueprint
+from pipeline.inspection.rerun_camera import RAW
+from pipeline.inspection.rerun_log import drive_tracer, new_recording
+from pipeline.inspection.rerun_sinks import into_file
+from pipeline.policies.inference import Driver
+from pipeline.policies.network import PrimaryNetwork, SafetyNetwork, feature_size
+from pipeline.policies.recording import Drive, record
+from pipeline.policies.strategies import Rule, Strategy
+from pipeline.world.tracks import make_track
+from tests.inspection.saved import batches, column, origins, recordings
+
+PLAN = Drive(
+    track="birch",
+    traffic=30,
+    spread=(0.0, 0.0),
+    seed=(3,),
+    rule=Rule(Strategy.MIXTURE, beta=0.7),
+    record_every=3,
+    seconds=3.0,
+)
+
+
+@pytest.fixture(scope="module")
+def driver() -> Driver:
+    generator = torch.Generator().manual_seed(0)
+    primary = PrimaryNetwork(2, generator=generator)
+    safety = SafetyNetwork(feature_size(2), 4, generator=generator)
+    return Driver(primary, safety, brake_cut=1.0)
+
+
+def test_every_frame_is_as_recorded(driver: Driver) -> None:
+    recording = record(PLAN, driver, 0, 0)
+    expected = Footage.of_episode(recording.episode)
+    seen = [footage for _, footage in watched(PLAN, driver)]
+    assert len(seen) == len(expected) == 30
+    for number, footage in enumerate(seen):
+        for name in ("frame", "image", "primary_action", "intervention", "vehicle_state"):
+            values = getattr(expected, name)[number : number + 1]
+            np.testing.assert_array_equal(getattr(footage, name), values, err_msg=name)
+        action = recording.reference_actions[number : number + 1]
+        np.testing.assert_array_equal(footage.reference_action, action)
+        np.testing.assert_array_equal(footage.queried, footage.intervention)
+    for before, after in pairwise(seen):
+        np.testing.assert_array_equal(before.end, after.vehicle_state[:, :2])
+
+
+def test_all_other_cars_are_where_they_were_when_the_frame_began() -> None:
+    plan = replace(PLAN, rule=Rule(Strategy.REFERENCE))
+    before = np.empty((0, 3))
+    for world, footage in watched(plan, None):
+        (others,) = footage.others
+        np.testing.assert_array_equal(others, before)
+        cars = world.cars
+        before = np.stack([cars.x[1:], cars.y[1:], cars.heading[1:]], axis=1)
+    assert len(before) == 30
+
+
+def test_the_tally(driver: Driver) -> None:
+    tally, drove = Tally(), []
+    for world, footage in watched(PLAN, driver):
+        tally.add(world, footage)
+        drove.append(bool(footage.intervention[0]))
+    assert (tally.laps, tally.damage, tally.frames) == (world.laps, world.damage, 30)
+    assert tally.by_reference == sum(drove)
+    before = [False, *drove[:-1]]
+    began = [now and not was for was, now in zip(before, drove, strict=True)]
+    assert tally.takeovers == sum(began)
+    assert 1 < tally.takeovers < tally.by_reference < 30
+    assert f"{world.laps:.2f} laps" in str(tally) and f"{tally.takeovers} takeovers" in str(tally)
+
+
+def test_the_reference_alone_takes_over_from_nobody() -> None:
+    tally = Tally()
+    for world, footage in watched(replace(PLAN, rule=Rule(Strategy.REFERENCE)), None):
+        tally.add(world, footage)
+    assert (tally.by_reference, tally.takeovers) == (30, 0)
+
+
+def test_real_time_is_waited_for_and_never_made_up() -> None:
+    begin = time.monotonic()
+    due = [time.monotonic() - begin for _ in in_real_time(iter(range(4)), 50)]
+    assert all(at >= number / 50 for number, at in enumerate(due))
+    assert list(in_real_time(iter("late"), 1e9)) == list("late")
+
+
+def test_frame_by_frame_gives_what_is_there_at_the_end(driver: Driver, tmp_path: Path) -> None:
+    path, fps = tmp_path / "live.rrd", CONTROL_HZ // PLAN.record_every
+    seen = [footage for _, footage in watched(PLAN, driver)]
+    with (
+        into_file(path, live_blueprint(fps)) as sink,
+        new_recording("live", "Live", make_track(PLAN.track), sink.connect) as recording,
+    ):
+        tracer = drive_tracer(recording, fps=fps, cut=0.5, tau=0.01, camera=RAW)
+        for footage in seen:
+            tracer.send(footage)
+    (entry,) = recordings(path)
+    images = record(PLAN, driver, 0, 0).episode.columns[CAMERA]
+    buffers = column(path, entry, "/camera", "buffer")
+    for buffer, image in zip(buffers, images, strict=True):
+        assert bytes(buffer) == image.tobytes()
+    others = batches(path, entry, "/top_view/others", "strips")
+    assert [len(strips) for strips in others] == [0] + [30] * 29
+    drives = np.array(column(path, entry, "/safe_probability/reference_drives", "scalars"))
+    assert (~np.isnan(drives)).tolist() == [bool(footage.intervention[0]) for footage in seen]
+    assert not origins(path) & {"who", "around"}

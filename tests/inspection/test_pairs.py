@@ -1,0 +1,84 @@
+"""Two datasets side by side, read back from the file."""
+
+from collections import Counter
+from pathlib import Path
+
+import numpy as np
+import pytest
+from rerun.experimental import RrdReader
+
+from pipeline.data.schema import Episode
+from pipeline.data.writing import write_dataset
+from pipeline.inspection.pairs import pairs
+from pipeline.inspection.rerun_blueprints import pair_blueprint
+from pipeline.inspection.rerun_log import BLUE, LIGHT_BLUE, ORANGE, RED, log_pair
+from pipeline.inspection.rerun_sinks import into_file
+from tests.episodes import random_episode
+from tests.inspection.saved import column, origins, recordings
+
+TRACKS_A, TRACKS_B = ("alder", "birch", "alder", "random:7"), ("yew", "alder", "birch", "alder")
+
+
+def episodes(seed: int, tracks: tuple[str, ...]) -> list[Episode]:
+    rng = np.random.default_rng(seed)
+    return [
+        random_episode(rng, 4 + i, task=f"drive on {track} with 5 other cars", episode=i)
+        for i, track in enumerate(tracks)
+    ]
+
+
+@pytest.fixture(scope="module")
+def datasets(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Path]:
+    a, b = (tmp_path_factory.mktemp("datasets") / name for name in "ab")
+    write_dataset(a, episodes(0, TRACKS_A), record_every=3)
+    write_dataset(b, episodes(1, TRACKS_B), record_every=3)
+    return a, b
+
+
+@pytest.mark.parametrize(
+    ("number", "expected"),
+    [(0, {"alder": (0, 1), "birch": (1, 2)}), (1, {"alder": (2, 3)})],
+)
+def test_a_pair_for_each_track_of_both(
+    datasets: tuple[Path, Path], number: int, expected: dict[str, tuple[int, int]]
+) -> None:
+    found = pairs(*datasets, number)
+    assert [pair.title for pair in found] == [
+        f"{track}: a is a, episode {i}; b is b, episode {j}" for track, (i, j) in expected.items()
+    ]
+    for pair, (i, j) in zip(found, expected.values(), strict=True):
+        assert pair.a.task == pair.b.task
+        for episode, number in ((pair.a, i), (pair.b, j)):
+            assert set(episode.columns["source.episode"][:, 0]) == {number}
+
+
+def test_what_cannot_be_paired(datasets: tuple[Path, Path], tmp_path: Path) -> None:
+    with pytest.raises(ValueError, match="no drive 2 on a track that is in both"):
+        pairs(*datasets, 2)
+    write_dataset(tmp_path / "slow", episodes(2, ("alder",)), record_every=15)
+    with pytest.raises(ValueError, match="2 frames per second, expected the 10"):
+        pairs(datasets[0], tmp_path / "slow")
+
+
+def test_both_drives_are_in_one_recording(datasets: tuple[Path, Path], tmp_path: Path) -> None:
+    found, path = pairs(*datasets), tmp_path / "pairs.rrd"
+    with into_file(path, pair_blueprint(10)) as sink:
+        for pair in found:
+            log_pair(pair, sink.connect, fps=10, cut=0.5, tau=0.01)
+    entries = recordings(path)
+    assert {entry.recording_id for entry in entries} == {pair.name for pair in found}
+    entry = next(entry for entry in entries if entry.recording_id.startswith("alder"))
+    rows: Counter[str] = Counter()
+    for chunk in RrdReader(path).stream(store=entry).to_chunks():
+        if chunk.timeline_names:
+            rows[chunk.entity_path] += chunk.num_rows
+    drives = {"a": (found[0].a, BLUE, RED), "b": (found[0].b, LIGHT_BLUE, ORANGE)}
+    for root, (episode, primary, reference) in drives.items():
+        counts = {entity: n for entity, n in rows.items() if entity.startswith(f"/{root}/")}
+        assert f"/{root}/camera" in counts and set(counts.values()) == {len(episode)}
+        drove = np.where(episode.columns["intervention"][:, 0], reference, primary)
+        assert column(path, entry, f"/{root}/top_view/driven", "colors") == drove.tolist()
+        probability = column(path, entry, f"/{root}/safe_probability/safe_probability", "scalars")
+        np.testing.assert_array_equal(probability, episode.columns["safe_probability"][:, 0])
+        for view in ("camera", "who", "action", "safe_probability", "deviation", "speed"):
+            assert f"{root}/{view}" in {origin.strip("/") for origin in origins(path)}

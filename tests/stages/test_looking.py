@@ -1,0 +1,99 @@
+"""The commands that show something, each into a file."""
+
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+import torch
+
+from pipeline.data.writing import write_dataset
+from pipeline.policies.network import PrimaryNetwork, SafetyNetwork, feature_size
+from pipeline.policies.primary import PrimaryConfig, PrimaryPolicy
+from pipeline.policies.safety import SafetyConfig, SafetyPolicy
+from stages import __main__ as cli
+from tests.episodes import random_episode
+from tests.inspection.saved import recordings
+
+WATCH = ["--track", "willow", "--traffic", "3", "--seconds", "0.5", "--seed", "1"]
+
+
+@pytest.fixture(scope="module")
+def made(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Two datasets and two policies."""
+    root = tmp_path_factory.mktemp("made")
+    rng = np.random.default_rng(0)
+    for name in ("a", "b"):
+        episode = random_episode(rng, 20, task="drive on yew with 2 other cars")
+        write_dataset(root / name, [episode], record_every=3)
+    generator = torch.Generator().manual_seed(0)
+    primary = PrimaryNetwork(2, generator=generator)
+    PrimaryPolicy(PrimaryConfig(channels=2), primary).save_pretrained(root / "primary")
+    safety = SafetyNetwork(feature_size(2), 8, generator=generator)
+    config = SafetyConfig(channels=2, hidden=8)
+    SafetyPolicy(config, safety).save_pretrained(root / "safety")
+    return root
+
+
+def run(monkeypatch: pytest.MonkeyPatch, *arguments: object) -> int:
+    monkeypatch.setattr(sys, "argv", ["safedagger", *map(str, arguments)])
+    with pytest.raises(SystemExit) as exit_:
+        cli.main()
+    return int(exit_.value.code or 0)
+
+
+@pytest.mark.parametrize(
+    ("typed", "expected"),
+    [
+        (["inspect", "a"], "a/episode_0000"),
+        (["compare", "a", "b"], "yew/a_0/b_0"),
+        (["watch", *WATCH, "--strategy", "reference"], "willow/reference/1"),
+        (["watch", "primary", "safety", *WATCH, "--strategy", "naive"], "willow/naive/1"),
+        (["watch", "primary", "safety", *WATCH, "--strategy", "safe"], "willow/safe/1"),
+        (["watch", "primary", "safety", *WATCH, "--strategy", "optimal"], "willow/optimal/1"),
+    ],
+)
+def test_a_file_for_rerun(
+    typed: list[str],
+    expected: str,
+    made: Path,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    monkeypatch.chdir(made)
+    path = tmp_path / "shown.rrd"
+    assert run(monkeypatch, *typed, "--save", path) == 0
+    assert [entry.recording_id for entry in recordings(path)] == [expected]
+    *before, last = capsys.readouterr().out.splitlines()
+    assert last == f"{path}: open it with `rerun {path}`"
+    if typed[0] == "watch":
+        assert before[-1].startswith("0.0") and " laps, damage 0.00, 5 frames" in before[-1]
+
+
+@pytest.mark.parametrize(
+    ("typed", "named"),
+    [
+        (["inspect", "a", "--save", "x.rrd", "--web"], "exclude each other"),
+        (["compare", "a", "b", "--drive", "1"], "no drive 1"),
+        (["watch", *WATCH, "--strategy", "safe"], "needs a primary and its safety policy"),
+        (["watch", "primary", *WATCH, "--strategy", "reference"], "its safety policy"),
+        (["watch", "safety", "primary", *WATCH, "--strategy", "safe"], "expected"),
+        (["watch", *WATCH, "--strategy", "reference", "--track", "nowhere"], "nowhere"),
+        (["watch", *WATCH, "--strategy", "reference", "--record-every", "7"], "record_every"),
+        (["watch", *WATCH, "--strategy", "mixture"], "--strategy"),
+    ],
+)
+def test_nonsense_is_one_line(
+    typed: list[str],
+    named: str,
+    made: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    monkeypatch.chdir(made)
+    before = sorted(made.iterdir())
+    assert run(monkeypatch, *typed) == 2
+    error = capsys.readouterr().err
+    assert named in error and len(error.strip().splitlines()) == 1
+    assert sorted(made.iterdir()) == before
