@@ -6,6 +6,7 @@ import typer
 from typer import TyperException
 
 from stages import (
+    cards,
     collect,
     compare,
     contact_sheet,
@@ -44,6 +45,7 @@ for stage in (
     errors,
     contact_sheet,
     film,
+    cards,
     report,
     compare,
     inspect,

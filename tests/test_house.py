@@ -27,6 +27,13 @@ MAY_IMPORT = {
         "pipeline.inspection",
     },
     "pipeline.inspection": {"pipeline", "pipeline.data", "pipeline.world", "pipeline.policies"},
+    "pipeline.cards": {
+        "pipeline",
+        "pipeline.data",
+        "pipeline.world",
+        "pipeline.policies",
+        "pipeline.evaluation",
+    },
 }
 MODULES = sorted(ROOT.glob("pipeline/**/*.py")) + sorted(ROOT.glob("stages/**/*.py"))
 STAGES = [path.stem for path in sorted(ROOT.glob("stages/*.py")) if path.stem != "__init__"]
