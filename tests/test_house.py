@@ -52,7 +52,7 @@ def imports(path: Path) -> Iterator[str]:
 def package(name: str) -> str:
     """The part of the house that a module is in: `pipeline.world`, say, or `pipeline` itself."""
     parts = name.split(".")
-    inside = (ROOT / "pipeline" / parts[1]).is_dir() if len(parts) > 1 else False
+    inside = (ROOT / parts[0] / parts[1]).is_dir() if len(parts) > 1 else False
     return ".".join(parts[:2]) if inside else parts[0]
 
 
