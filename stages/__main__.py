@@ -6,6 +6,7 @@ import typer
 from typer import TyperException
 
 from stages import (
+    cards,
     collect,
     compare_datasets,
     contact_sheet,
@@ -45,6 +46,7 @@ for stage in (
     errors,
     contact_sheet,
     film,
+    cards,
     report,
     inspect,
     compare_datasets,

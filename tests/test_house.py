@@ -27,6 +27,13 @@ MAY_IMPORT = {
         "pipeline.inspection",
     },
     "pipeline.inspection": {"pipeline", "pipeline.data", "pipeline.world", "pipeline.policies"},
+    "pipeline.cards": {
+        "pipeline",
+        "pipeline.data",
+        "pipeline.world",
+        "pipeline.policies",
+        "pipeline.evaluation",
+    },
 }
 MODULES = sorted(ROOT.glob("pipeline/**/*.py")) + sorted(ROOT.glob("stages/**/*.py"))
 STAGES = [path.stem for path in sorted(ROOT.glob("stages/*.py")) if path.stem != "__init__"]
@@ -45,7 +52,7 @@ def imports(path: Path) -> Iterator[str]:
 def package(name: str) -> str:
     """The part of the house that a module is in: `pipeline.world`, say, or `pipeline` itself."""
     parts = name.split(".")
-    inside = (ROOT / "pipeline" / parts[1]).is_dir() if len(parts) > 1 else False
+    inside = (ROOT / parts[0] / parts[1]).is_dir() if len(parts) > 1 else False
     return ".".join(parts[:2]) if inside else parts[0]
 
 

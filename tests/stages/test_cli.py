@@ -21,6 +21,7 @@ STAGES = [
     "evaluate",
     "errors",
     "contact-sheet",
+    "cards",
     "report",
     "compare",
     "inspect",
@@ -124,6 +125,12 @@ def test_an_output_that_exists_is_left_alone(
         ("sample", "missing", "out", "--frames", "3", "--seed", "0"),
         ("merge", "missing", "missing", "out"),
         ("ledger", "missing", "missing", "--metrics", "out"),
+        (
+            "cards",
+            *("--datasets", "missing", "--models", "missing", "--metrics", "missing"),
+            *("--tau", "0.0025", "--record-every", "3"),
+            *("--dataset-cards", "out", "--model-cards", "out_too"),
+        ),
         (
             "rollout",
             "missing",

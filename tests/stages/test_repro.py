@@ -157,6 +157,16 @@ def test_the_report_stands_on_the_metrics(house: Path) -> None:
     assert metric(house, "driving_safedagger_2")["naive"]["traffic"]["laps"] >= 0
 
 
+def test_every_dataset_and_policy_has_a_card_that_says_what_made_it(house: Path) -> None:
+    for kind, verb in (("datasets", "merge"), ("models", "train-primary")):
+        made = {path.name for path in (house / kind).iterdir() if path.is_dir()}
+        cards = {path.stem: path.read_text() for path in (house / "cards" / kind).glob("*.md")}
+        assert set(cards) == made
+        name = "D_safedagger_2" if kind == "datasets" else "primary_safedagger_2"
+        assert f"safedagger {verb} " in cards[name]
+        assert not [card for card in cards.values() if str(house) in card or "Not known" in card]
+
+
 def test_pictures_are_drawn(house: Path) -> None:
     for picture in ("errors/seed_0", "frames/seed_0", "figures/progress"):
         assert (house / "cards" / f"{picture}.png").read_bytes().startswith(b"\x89PNG")
@@ -180,4 +190,4 @@ def test_a_change_in_iteration_2_runs_only_what_follows(house: Path) -> None:
         params.write_text(before)
     stages = {line.split("'")[1] for line in plan.splitlines() if line.startswith("Running stage")}
     assert "train-primary@safedagger_2" in stages
-    assert {name.split("@")[-1] for name in stages} <= {"safedagger_2", "report"}
+    assert {name.split("@")[-1] for name in stages} <= {"safedagger_2", "cards", "report"}

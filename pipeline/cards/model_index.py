@@ -1,0 +1,65 @@
+"""The front matter of a policy's card, with what was measured as the Hub's `model-index`."""
+
+from collections.abc import Sequence
+
+from huggingface_hub import EvalResult, ModelCardData
+
+from pipeline.cards.measured import Measured
+from pipeline.cards.policy import PolicyFacts
+from pipeline.evaluation.results import SafetyQuality
+from pipeline.evaluation.summary import LAPS, Performance
+from pipeline.evaluation.wording import CONDITION_WORDS
+
+_DRIVING = {
+    "laps": f"Laps, at most {LAPS:g}",
+    "damage_per_lap": "Damage per lap [m^2/s^2]",
+    "steering_mse": "Steering MSE",
+    "takeover": "Share of frames that the reference drives",
+    "off_road": "Share of drives that left the road",
+}
+_DETECTING = {"auroc": "AUROC", "recall": "Recall of unsafe", "precision": "Precision of unsafe"}
+
+
+def front_matter(policy: PolicyFacts, measured: Measured, datasets: Sequence[str]) -> ModelCardData:
+    """As LeRobot's own card has it, and the results. There is no license to name."""
+    return ModelCardData(
+        model_name=policy.name,
+        library_name="lerobot",
+        pipeline_tag="robotics",
+        tags=["robotics", "lerobot", policy.kind],
+        datasets=[f"local/{name}" for name in datasets] or None,
+        eval_results=_results(measured) or None,
+    )
+
+
+def _results(measured: Measured) -> list[EvalResult]:
+    found = []
+    for (strategy, condition), performance in measured.driving.items():
+        where = f"{strategy} strategy, {CONDITION_WORDS[condition]}"
+        found += _of("safedagger/Driving-v0", "Test tracks", where, performance, _DRIVING)
+    if measured.held_out:
+        found += _of("local/D_safe", "D_safe", "held out", measured.held_out, _DETECTING)
+    return found
+
+
+def _of(
+    dataset: str,
+    name: str,
+    config: str,
+    measured: Performance | SafetyQuality,
+    metrics: dict[str, str],
+) -> list[EvalResult]:
+    """Of each metric that has a value: the Hub knows no null."""
+    return [
+        EvalResult(
+            task_type="robotics",
+            dataset_type=dataset,
+            dataset_name=f"{name}, {config}",
+            dataset_config=config,
+            metric_type=metric,
+            metric_name=words,
+            metric_value=getattr(measured, metric),
+        )
+        for metric, words in metrics.items()
+        if getattr(measured, metric) is not None
+    ]

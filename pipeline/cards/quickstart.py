@@ -1,0 +1,41 @@
+"""How to load a policy and drive it: code that runs as it stands, where the project is."""
+
+from pipeline.cards.policy import PolicyFacts
+from pipeline.policies.strategies import Strategy
+from pipeline.world.tracks import TEST
+
+_TRAFFIC, _SECONDS = 12, 10  # of the drive that the code takes
+
+
+def quickstart(
+    policy: PolicyFacts, primary: str | None, safety: str | None, record_every: int
+) -> str:
+    """Markdown: the code, and what it does.
+
+    Args:
+        policy: the one to show.
+        primary: path of the primary that drives; None where it is not known.
+        safety: path of its safety policy; None lets the primary drive alone.
+        record_every: control steps for which an action is held.
+    """
+    if primary is None:
+        return "The primary that it watches is not known, so there is nothing to drive."
+    paths = ", ".join(f'Path("{path}")' for path in (primary, safety) if path)
+    rule = f"SAFE, cut={policy.config['cut']}" if safety else "NAIVE"
+    strategy = Strategy.SAFE if safety else Strategy.NAIVE
+    track = next(iter(TEST))
+    kind, name = ("safety", "SafetyPolicy") if safety else ("primary", "PrimaryPolicy")
+    return f"""```python
+from pathlib import Path
+from pipeline.policies import inference, recording, strategies
+
+driver = inference.Driver.load({paths})
+rule = strategies.Rule(strategies.Strategy.{rule})
+plan = recording.Drive("{track}", {_TRAFFIC}, (0, 0), (0,), rule, record_every={record_every}, \
+seconds={_SECONDS})
+for world, frame in recording.driven(plan, driver):
+    print(f"{{world.laps:.3f}} laps", "reference" if frame.intervention else "primary")
+```
+
+By the {strategy} strategy, on the test track {track} with {_TRAFFIC} other cars, for at most {_SECONDS} s.
+To LeRobot it is `pipeline.policies.{kind}.{name}`, whose `from_pretrained` loads it too."""

@@ -1,0 +1,41 @@
+"""Cards of all datasets and policies: what they are, what made them, what they are worth."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from stages import options
+
+app = typer.Typer()
+
+
+@app.command()
+def cards(
+    datasets: Annotated[Path, typer.Option(help="Folder of datasets.")],
+    models: Annotated[Path, typer.Option(help="Folder of policies.")],
+    metrics: Annotated[Path, typer.Option(help="Folder of driving_<i>.json, safety_<i>.json.")],
+    tau: Annotated[float, typer.Option(min=1e-9, help="A deviation above it is counted as such.")],
+    record_every: options.RecordEvery,
+    dataset_cards: Annotated[Path, typer.Option(help="Folder to write. It must not exist.")],
+    model_cards: Annotated[Path, typer.Option(help="Folder to write. It must not exist.")],
+    lock: Annotated[
+        Path | None, typer.Option(help="The dvc.lock that knows what made them, if there is one.")
+    ] = None,
+) -> None:
+    """Write a card for each dataset and each policy, with front matter for the Hub."""
+    from pipeline.cards.catalogue import Catalogue
+    from pipeline.cards.writing import write_dataset_cards, write_model_cards
+    from pipeline.output import new_directory
+
+    with new_directory(dataset_cards) as for_datasets, new_directory(model_cards) as for_models:
+        catalogue = Catalogue(
+            datasets, models, lock, dataset_cards=dataset_cards, model_cards=model_cards
+        )
+        facts = write_dataset_cards(for_datasets, catalogue, tau=tau)
+        written = write_model_cards(
+            for_models, catalogue, facts, metrics=metrics, record_every=record_every
+        )
+    typer.echo(
+        f"{len(facts)} cards of datasets in {dataset_cards}, {written} of models in {model_cards}"
+    )

@@ -1,0 +1,131 @@
+"""Cards of datasets: what LeRobot and the Hub need, and numbers that are the dataset's own."""
+
+import re
+from collections.abc import Callable
+from pathlib import Path
+
+import cv2
+import pytest
+from huggingface_hub import DatasetCard
+from lerobot.datasets.utils import create_lerobot_dataset_card
+
+from pipeline.cards.dataset_card import MEANINGS
+from pipeline.data.reading import read_columns
+from pipeline.data.schema import FEATURES
+from tests.cards.conftest import ALDER, BIRCH
+
+README = (Path(__file__).parents[2] / "README.md").read_text()
+NAMES = ["D_0", "D_1", "new_1", "rollout_1"]
+
+
+@pytest.fixture
+def cards(make_cards: Callable[..., Path]) -> Path:
+    return make_cards() / "datasets"
+
+
+def number(card: str, row: str) -> int:
+    """The first number in a row of one of the card's tables."""
+    found = re.search(rf"^\| {re.escape(row)} \| ([\d,]+) \|", card, re.MULTILINE)
+    assert found, row
+    return int(found[1].replace(",", ""))
+
+
+def test_every_dataset_has_a_card_and_a_picture(cards: Path) -> None:
+    assert sorted(path.name for path in cards.iterdir()) == sorted(
+        f"{name}{kind}" for name in NAMES for kind in (".md", ".jpg")
+    )
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_the_front_matter_is_what_lerobot_writes(name: str, cards: Path) -> None:
+    ours = DatasetCard.load(cards / f"{name}.md").data.to_dict()
+    theirs = create_lerobot_dataset_card().data.to_dict()
+    assert set(theirs.pop("tags")) <= set(ours["tags"])
+    assert theirs.items() <= ours.items()
+    assert "license" not in ours
+    assert ours["size_categories"] == ["n<1K"]
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_its_numbers_are_the_datasets(name: str, cards: Path) -> None:
+    card = (cards / f"{name}.md").read_text()
+    columns = read_columns(Path("datasets", name))
+    frames = len(columns["queried"])
+    assert number(card, "frames") == frames
+    assert number(card, "episodes") == columns["episode_index"][-1] + 1
+    assert number(card, "queries") == columns["queried"].sum()
+    assert number(card, "frames that the reference drove") == columns["intervention"].sum()
+    assert number(card, "frames that brake") == columns["action"][:, 1].sum()
+    judged = (columns["safe_probability"] >= 0).sum()
+    assert number(card, "frames that a safety policy judged") == judged
+    if judged:
+        unsafe = (columns["safe_probability"] < 0.5).sum()
+        assert number(card, "of these, called unsafe") == unsafe
+        above = (columns["deviation"] > 0.0025).sum()
+        assert number(card, "of these, above tau = 0.0025") == above
+    assert (
+        f"| frames that a safety policy judged | {judged} | {100 * judged / frames:.1f} % |" in card
+    )
+
+
+def test_it_counts_each_scenario_and_each_iteration(cards: Path) -> None:
+    card = (cards / "D_1.md").read_text()
+    columns = read_columns(Path("datasets/D_1"))
+    later = int(columns["source.iteration"].sum())  # iterations are 0 and 1
+    assert (
+        f"| 0 | 2 | 7 | 7 | 7 |\n| 1 | {number(card, '1')} | {later} | {later} | {later} |" in card
+    )
+    of_each = [number(card, task) for task in (ALDER, BIRCH)]
+    assert sum(of_each) == number(card, "episodes")
+
+
+def test_it_says_what_made_it_and_links_to_that(cards: Path) -> None:
+    merged = (cards / "D_1.md").read_text()
+    assert "line 8" in merged
+    assert "safedagger merge datasets/D_0 datasets/new_1 datasets/D_1\n" in merged
+    assert "Made from [D_0](D_0.md), [new_1](new_1.md)." in merged
+    driven = (cards / "rollout_1.md").read_text()
+    assert "[primary_0](../models/primary_0.md), [safety_0](../models/safety_0.md)" in driven
+    assert "pipeline/world" not in driven
+    for link in re.findall(r"\]\(([^)]+)\)", merged + driven):
+        assert (cards / link).is_file()
+
+
+def test_its_limits_are_those_of_its_data(cards: Path) -> None:
+    limits = {name: (cards / f"{name}.md").read_text().split("## Limits")[1] for name in NAMES}
+    columns = read_columns(Path("datasets/rollout_1"))
+    unasked = int((~columns["queried"]).sum())
+    assert f"In {unasked} of 17 frames nobody asked the reference" in limits["rollout_1"]
+    assert f"`deviation` in {unasked} frames" in limits["rollout_1"]
+    assert "begin within a drive" not in limits["rollout_1"]
+    assert "`action` is the reference's in every frame." in limits["new_1"]
+    assert "begin within a drive" in limits["new_1"]
+    assert "`primary_action` in 7, `safe_probability` in 7, `deviation` in 7" in limits["D_1"]
+
+
+def test_the_columns_mean_what_the_readme_says(cards: Path) -> None:
+    assert list(MEANINGS) == list(FEATURES)
+    for name, meaning in MEANINGS.items():
+        if not name.startswith("source."):
+            assert f"| `{name}` | {meaning} |" in README
+    card = (cards / "rollout_1.md").read_text()
+    assert all(f"| `{name}` | {meaning} |" in card for name, meaning in MEANINGS.items())
+
+
+def test_the_picture_shows_six_frames(cards: Path) -> None:
+    assert cv2.imread(str(cards / "rollout_1.jpg")).shape == (72, 6 * 160 + 5 * 2, 3)
+
+
+def test_it_is_loaded_as_the_card_says(cards: Path) -> None:
+    card = (cards / "D_0.md").read_text()
+    names: dict = {}
+    exec(card.split("```python\n")[1].split("```")[0], names)
+    assert len(names["dataset"]) == 7
+
+
+def test_without_a_lock_the_card_says_that_it_does_not_know(
+    make_cards: Callable[..., Path],
+) -> None:
+    card = (make_cards("other", lock=None) / "datasets" / "D_0.md").read_text()
+    assert "Not known: no `dvc.lock` says what made it." in card
+    assert "Algorithm 1" not in card

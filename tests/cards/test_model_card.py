@@ -1,0 +1,103 @@
+"""Cards of policies: `model-index` from the metrics, and code that runs as printed."""
+
+import json
+import re
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+import torch
+from huggingface_hub import ModelCard
+
+NAMES = ["primary_0", "safety_0"]
+
+
+@pytest.fixture
+def cards(make_cards: Callable[..., Path]) -> Path:
+    return make_cards() / "models"
+
+
+def test_every_policy_has_a_card(cards: Path) -> None:
+    assert sorted(path.stem for path in cards.iterdir()) == NAMES
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_the_front_matter_is_a_lerobot_models(name: str, cards: Path) -> None:
+    data = ModelCard.load(cards / f"{name}.md").data
+    assert (data.library_name, data.pipeline_tag) == ("lerobot", "robotics")
+    kind = f"safedagger_{name.removesuffix('_0')}"
+    assert {"robotics", "lerobot", kind} == set(data.tags)
+    assert data.datasets == ["local/D_0"]
+    assert data.model_name == name
+    assert "license" not in data.to_dict()
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_the_model_index_is_what_was_measured(name: str, cards: Path) -> None:
+    results = ModelCard.load(cards / f"{name}.md").data.eval_results or []
+    found = {(result.dataset_config, result.metric_type): result.metric_value for result in results}
+    driving = json.loads(Path("metrics/driving_0.json").read_text())["naive"]
+    expected = {
+        (f"naive strategy, {words}", metric): driving[condition][metric]
+        for condition, words in (("no_traffic", "without traffic"), ("traffic", "with traffic"))
+        for metric in ("laps", "damage_per_lap", "steering_mse", "takeover", "off_road")
+    }
+    if name == "safety_0":
+        quality = {"auroc": 0.75, "recall": 0.6, "precision": 0.5}
+        expected |= {("held out", metric): value for metric, value in quality.items()}
+    assert found == expected
+
+
+def test_it_says_what_it_is_and_what_it_learned_from(cards: Path) -> None:
+    from pipeline.policies.inference import load_primary
+
+    card = (cards / "primary_0.md").read_text()
+    weights = sum(p.numel() for p in load_primary(Path("models/primary_0")).parameters())
+    assert f"| all |  | {weights:,} |" in card
+    assert "| [D_0](../datasets/D_0.md) | 2 | 7 |" in card
+    assert "safedagger train-primary datasets/D_0 models/primary_0\n" in card
+    assert "safedagger evaluate models/primary_0 models/safety_0 --tracks yew\n" in card
+    assert "in 2 scenarios" in card
+    safety = (cards / "safety_0.md").read_text()
+    assert "The primary that it watches: [primary_0](primary_0.md)." in safety
+    assert "it missed 40.0 %" in safety
+    for link in re.findall(r"\]\(([^)]+)\)", card + safety):
+        assert (cards / link).is_file()
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_its_five_lines_drive(
+    name: str, cards: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    threads = torch.get_num_threads()
+    code = (cards / f"{name}.md").read_text().split("```python\n")[1].split("```")[0]
+    imports, lines = code.split("\n\n")
+    assert len(lines.splitlines()) == 5
+    exec(f"{imports}\n{lines}", {})
+    torch.set_num_threads(threads)
+    driven = capsys.readouterr().out.splitlines()
+    assert driven and all(re.fullmatch(r"-?\d\.\d{3} laps \w+", line) for line in driven)
+    drivers = {line.split()[-1] for line in driven}
+    assert drivers == {"primary"} if name == "primary_0" else drivers <= {"primary", "reference"}
+
+
+def test_without_lock_and_metrics_the_card_says_that_it_does_not_know(
+    house: Path, make_cards: Callable[..., Path]
+) -> None:
+    (house / "metrics" / "driving_0.json").unlink()
+    (house / "metrics" / "safety_0.json").unlink()
+    folder = make_cards(lock=None) / "models"
+    for name in NAMES:
+        card = (folder / f"{name}.md").read_text()
+        assert "Not known: no `dvc.lock` says what made it." in card
+        assert "Nobody has evaluated it." in card
+        assert ModelCard.load(folder / f"{name}.md").data.eval_results is None
+        assert 'Path("models/primary_0")' in card  # by the name of its step
+
+
+def test_without_its_primary_a_safety_policy_shows_no_drive(
+    house: Path, make_cards: Callable[..., Path]
+) -> None:
+    (house / "models" / "safety_0").rename(house / "models" / "safety_other")
+    card = (make_cards(lock=None) / "models" / "safety_other.md").read_text()
+    assert "there is nothing to drive" in card

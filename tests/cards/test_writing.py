@@ -1,0 +1,124 @@
+"""All cards at once: the same bytes each time, complete or not at all, and one line for bad input."""
+
+import re
+import sys
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from stages import __main__ as cli
+from tests.data.conftest import tree
+
+OPTIONS = {
+    "--datasets": "datasets",
+    "--models": "models",
+    "--metrics": "metrics",
+    "--lock": "dvc.lock",
+    "--tau": "0.0025",
+    "--record-every": "3",
+    "--dataset-cards": "cards/datasets",
+    "--model-cards": "cards/models",
+}
+
+
+def test_cards_have_stable_bytes_and_no_whole_paths(
+    house: Path, make_cards: Callable[..., Path]
+) -> None:
+    first, again = tree(make_cards("cards")), tree(make_cards("again"))
+    assert first == again
+    assert not [name for name, content in first.items() if str(house).encode() in content]
+
+
+def test_whole_paths_as_arguments_are_not_shown(
+    house: Path, make_cards: Callable[..., Path], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    expected = tree(make_cards("cards"))
+    paths = {"--datasets", "--models", "--metrics", "--lock"}
+    given = {name: str(house / value) for name, value in OPTIONS.items() if name in paths}
+    outputs = {"--dataset-cards": "whole/datasets", "--model-cards": "whole/models"}
+    arguments = [word for pair in (OPTIONS | given | outputs).items() for word in pair]
+    monkeypatch.setattr(sys, "argv", ["safedagger", "cards", *arguments])
+    with pytest.raises(SystemExit) as exit_:
+        cli.main()
+    assert exit_.value.code == 0
+    assert tree(house / "whole") == expected
+
+
+def test_the_closing_line_counts_the_cards(
+    make_cards: Callable[..., Path], capsys: pytest.CaptureFixture[str]
+) -> None:
+    make_cards()
+    said = capsys.readouterr().out
+    assert said == "4 cards of datasets in cards/datasets, 2 of models in cards/models\n"
+
+
+def _no_lock(house: Path) -> None:
+    (house / "dvc.lock").write_text("stages: 3")
+
+
+def _no_yaml(house: Path) -> None:
+    (house / "dvc.lock").write_text("a: b: c")
+
+
+def _half_written(house: Path) -> None:
+    (house / "datasets" / "new_1" / "meta" / "info.json").unlink()
+
+
+def _no_weights(house: Path) -> None:
+    (house / "models" / "safety_0" / "model.safetensors").write_bytes(b"nonsense")
+
+
+def _no_policy(house: Path) -> None:
+    (house / "models" / "primary_0" / "config.json").write_text('{"type": "act"}')
+
+
+def _no_metrics(house: Path) -> None:
+    (house / "metrics" / "driving_0.json").write_text("[1, 2]")
+
+
+def _half_metrics(house: Path) -> None:
+    (house / "metrics" / "safety_0.json").write_text('{"held_out": {"auroc": "high"}}')
+
+
+def _existing(house: Path) -> None:
+    (house / "cards" / "models").mkdir(parents=True)
+
+
+@pytest.mark.parametrize(
+    ("spoil", "named"),
+    [
+        (_no_lock, "dvc.lock: expected a dvc.lock"),
+        (_no_yaml, "dvc.lock: expected a dvc.lock"),
+        (_half_written, "datasets/new_1: not a dataset"),
+        (_no_weights, "models/safety_0/model.safetensors: "),
+        (_no_policy, "the policy's type is 'act', expected 'safedagger_primary'"),
+        (_no_metrics, "metrics/driving_0.json: no strategy's drives"),
+        (_half_metrics, "metrics/safety_0.json: held_out.auroc is"),
+        (_existing, "cards/models: exists already"),
+    ],
+)
+def test_bad_input_is_one_line_and_leaves_nothing(
+    spoil: Callable[[Path], None],
+    named: str,
+    house: Path,
+    capsys: pytest.CaptureFixture[str],
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    spoil(house)
+    before = tree(house)
+    arguments = [word for pair in OPTIONS.items() for word in pair]
+    monkeypatch.setattr(sys, "argv", ["safedagger", "cards", *arguments])
+    with pytest.raises(SystemExit) as exit_:
+        cli.main()
+    assert exit_.value.code == 2
+    error = capsys.readouterr().err
+    assert re.fullmatch(r"safedagger: .*\n", error) and named in error
+    assert tree(house) == before
+
+
+def test_an_empty_folder_is_refused(house: Path, make_cards: Callable[..., Path]) -> None:
+    for path in (house / "models").iterdir():
+        path.rename(house / path.name)
+    with pytest.raises(ValueError, match="no policy in this folder, expected at least one"):
+        make_cards()
