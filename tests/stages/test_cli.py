@@ -21,6 +21,7 @@ STAGES = [
     "evaluate",
     "errors",
     "contact-sheet",
+    "film",
     "cards",
     "report",
     "compare",
