@@ -161,7 +161,15 @@ def test_pictures_are_drawn(house: Path) -> None:
     for picture in ("errors/seed_0", "frames/seed_0", "figures/progress"):
         assert (house / "cards" / f"{picture}.png").read_bytes().startswith(b"\x89PNG")
     assert (house / "cards" / "film.gif").read_bytes().startswith(b"GIF89a")
-    assert metric(house, "errors")["held_out"]["frames"] == 40
+
+
+def test_tau_can_be_chosen_by_share(house: Path) -> None:
+    errors = metric(house, "errors")
+    assert errors["held_out"]["frames"] == 40
+    assert errors["share"] == 0.777
+    assert (errors["held_out"]["tau_for_share"] <= errors["tau"]) == (
+        errors["held_out"]["share_safe"] >= errors["share"]
+    )
 
 
 def test_a_second_repro_does_nothing(house: Path) -> None:
