@@ -7,7 +7,6 @@ from typer import TyperException
 
 from stages import (
     collect,
-    compare,
     contact_sheet,
     errors,
     evaluate,
@@ -45,7 +44,6 @@ for stage in (
     contact_sheet,
     film,
     report,
-    compare,
     inspect,
 ):
     app.add_typer(stage.app)

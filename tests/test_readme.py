@@ -11,7 +11,7 @@ from stages import __main__ as cli
 ROOT = Path(__file__).parent.parent
 README = (ROOT / "README.md").read_text()
 STAGES = [path for path in ROOT.glob("stages/*.py") if "@app.command" in path.read_text()]
-OF_A_RUN = {"report", "errors", "compare", "inspect"}  # what has more to it than one iteration
+OF_A_RUN = {"report", "errors", "inspect"}  # what has more to it than one iteration
 
 
 def commands(heading: str) -> list[list[str]]:

@@ -22,7 +22,6 @@ STAGES = [
     "errors",
     "contact-sheet",
     "report",
-    "compare",
     "inspect",
 ]
 HEAVY = {"torch", "lerobot", "pybullet", "numpy", "matplotlib", "datasets"}
@@ -122,6 +121,19 @@ def test_an_output_that_exists_is_left_alone(
         ("sample", "missing", "out", "--frames", "3", "--seed", "0"),
         ("merge", "missing", "missing", "out"),
         ("ledger", "missing", "missing", "--metrics", "out"),
+        (
+            "report",
+            "--metrics",
+            "missing",
+            "--errors",
+            "missing",
+            "--frames",
+            "missing",
+            "--output",
+            "out",
+            "--figures",
+            "figures",
+        ),
         (
             "rollout",
             "missing",
