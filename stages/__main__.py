@@ -8,7 +8,7 @@ from typer import TyperException
 from stages import (
     cards,
     collect,
-    compare_datasets,
+    compare,
     contact_sheet,
     errors,
     evaluate,
@@ -49,7 +49,7 @@ for stage in (
     cards,
     report,
     inspect,
-    compare_datasets,
+    compare,
     watch,
 ):
     app.add_typer(stage.app)

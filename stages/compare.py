@@ -1,8 +1,4 @@
-"""Compare the training strategies (Sec. 5).
-
-Reads the metrics of every seed and run; writes the report of the comparison as markdown, and its
-figures.
-"""
+"""See two iterations side by side: the same tracks, driven by each."""
 
 from pathlib import Path
 from typing import Annotated
@@ -13,61 +9,28 @@ from stages import options
 
 app = typer.Typer()
 
-TITLES = {
-    "strategies": "Training strategies: driving over the iterations (the paper's Fig. 3)",
-    "strategies_takeover": "Training strategies: takeover, safe strategy (the paper's Fig. 4)",
-    "strategies_cost": "Training strategies: naive laps against what they cost",
-    "variants": "Variants of SafeDAgger: driving over the iterations",
-    "variants_takeover": "Variants of SafeDAgger: takeover, safe strategy",
-    "variants_cost": "Variants of SafeDAgger: naive laps against what they cost",
-    "optimal": "The learned safety policies beside the optimal one (Eq. 2)",
-}
-"""Of each figure, by its name."""
-
 
 @app.command()
 def compare(
-    metrics: Annotated[Path, typer.Option(help="Folder of seed_<n>/drives_<run>_<i>.csv, ...")],
-    output: Annotated[Path, typer.Option(help="The report to write, markdown.")],
-    figures: Annotated[Path, typer.Option(help="Folder for the report's figures, PNG.")],
+    a: Annotated[Path, typer.Argument(help="A dataset, of an iteration's rollout say ...")],
+    b: Annotated[Path, typer.Argument(help="... and another one, with some of the same tracks.")],
+    drive: Annotated[
+        int, typer.Option(min=0, help="Which drive on each track; 0 is the first.")
+    ] = 0,
+    save: options.Save = None,
+    web: options.Web = False,
+    cut: options.Cut = 0.5,
+    tau: options.Tau = 0.0025,
 ) -> None:
-    """Write the report of a comparison: verdicts on the paper's claims, figures, every number."""
-    from pipeline.evaluation.comparison_figures import (
-        TRAINING,
-        VARIANTS,
-        cost,
-        driving,
-        optimal,
-        takeover,
-    )
-    from pipeline.evaluation.comparison_report import render_comparison
-    from pipeline.evaluation.experiment import read_experiment
-    from pipeline.evaluation.threshold import read_thresholds
-    from pipeline.evaluation.writing import write_file
-    from pipeline.inspection.canvas import png
-    from pipeline.output import refuse_existing
+    """Show two datasets side by side in Rerun, one recording for each track that both have."""
+    from pipeline.data.reading import check_dataset
+    from pipeline.data.schema import CONTROL_HZ
+    from pipeline.inspection.pairs import pairs
+    from pipeline.inspection.rerun_blueprints import pair_blueprint
+    from pipeline.inspection.rerun_log import log_pair
 
-    paths = {name: figures / f"{name}.png" for name in TITLES}
-    for path in (output, *paths.values()):
-        refuse_existing(path)
-
-    experiment = read_experiment(metrics)
-    thresholds = read_thresholds(metrics)
-    variants = VARIANTS if set(VARIANTS[1:]) & set(experiment.runs) else ()
-    drawn = {
-        "strategies": driving(experiment, TRAINING),
-        "strategies_takeover": takeover(experiment, TRAINING),
-        "strategies_cost": cost(experiment, TRAINING),
-        "variants": driving(experiment, variants),
-        "variants_takeover": takeover(experiment, variants),
-        "variants_cost": cost(experiment, variants),
-        "optimal": optimal(experiment),
-    }
-    pictures = {name: png(figure) for name, figure in drawn.items() if figure}
-    places = {TITLES[name]: options.seen_from(output, paths[name]) for name in pictures}
-    text = render_comparison(experiment, thresholds, places)
-
-    for name, picture in pictures.items():
-        write_file(paths[name], picture)
-    write_file(output, text.encode())
-    typer.echo(f"{output}: {len(experiment.steps)} steps, {len(pictures)} figures in {figures}")
+    found = pairs(a, b, drive)
+    fps = CONTROL_HZ // check_dataset(a)
+    with options.rerun_sink(save, web, pair_blueprint(fps)) as sink:
+        for pair in found:
+            log_pair(pair, sink.connect, fps=fps, cut=cut, tau=tau)

@@ -16,6 +16,12 @@ def errors(
     trained: Annotated[Path, typer.Argument(help="What it was trained on: D_0.")],
     held_out: Annotated[Path, typer.Argument(help="Drives like these that it never saw.")],
     tau: Annotated[float, typer.Option(min=1e-9, help="The threshold on the squared error.")],
+    share: Annotated[
+        float,
+        typer.Option(
+            min=1e-9, max=1, help="Which tau would make so many held-out frames safe; 0.777."
+        ),
+    ],
     figure: Annotated[Path, typer.Option(help="Where to draw the histograms (PNG).")],
     metrics: options.Metrics,
 ) -> None:
@@ -23,7 +29,7 @@ def errors(
     from pipeline.evaluation.errors import error_histogram, error_summary
     from pipeline.evaluation.writing import write_file, write_metrics
     from pipeline.inspection.canvas import png
-    from pipeline.learning.labels import LabelRule
+    from pipeline.learning.labels import LabelRule, threshold_for_share
     from pipeline.learning.safety import judge
     from pipeline.output import refuse_existing
     from pipeline.policies.inference import PRIMARY_TYPE, load_primary, read_config
@@ -38,10 +44,15 @@ def errors(
         for name, dataset in (("trained on", trained), ("held out", held_out))
     }
     summaries = {name: error_summary(found, tau) for name, found in deviations.items()}
+    summaries["held out"]["tau_for_share"] = threshold_for_share(deviations["held out"], share)
     write_file(figure, png(error_histogram(deviations, tau)))
     write_metrics(
-        metrics, {"tau": tau, **{name.replace(" ", "_"): s for name, s in summaries.items()}}
+        metrics,
+        {
+            "tau": tau,
+            "share": share,
+            **{name.replace(" ", "_"): summary for name, summary in summaries.items()},
+        },
     )
-    typer.echo(
-        f"{metrics}: " + "; ".join(f"{n}: {options.figures(s)}" for n, s in summaries.items())
-    )
+    told = "; ".join(f"{name}: {options.figures(found)}" for name, found in summaries.items())
+    typer.echo(f"{metrics}: {told} (for a share of {share:g})")

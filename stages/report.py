@@ -1,6 +1,7 @@
-"""Report the results of a run (Sec. 5).
+"""Report what the training strategies have come to (Sec. 5).
 
-Reads the metrics of every iteration; writes the report as markdown, and its figures.
+Reads the metrics of every seed and run, and the pictures of each seed; writes the report as
+markdown, and its figures.
 """
 
 from pathlib import Path
@@ -12,53 +13,67 @@ from stages import options
 
 app = typer.Typer()
 
+ERRORS = "How the supervised primary's errors lie around tau (the paper's Fig. 2)"
+FRAMES = "What the first safety policy found safest and least safe (the paper's appendix)"
+
 
 @app.command()
 def report(
-    metrics: Annotated[Path, typer.Option(help="Folder of driving_<i>.json, drives_<i>.csv, ...")],
-    iterations: Annotated[
-        int, typer.Option(min=1, help="Iterations of the loop, after the supervised stage.")
-    ],
-    errors: Annotated[Path, typer.Option(help="The picture that `errors` drew.")],
-    frames: Annotated[Path, typer.Option(help="The picture that `contact-sheet` drew.")],
+    metrics: Annotated[Path, typer.Option(help="Folder of seed_<n>/drives_<run>_<i>.csv, ...")],
+    errors: Annotated[Path, typer.Option(help="Folder of seed_<n>.png, drawn by `errors`.")],
+    frames: Annotated[Path, typer.Option(help="Folder of seed_<n>.png, drawn by `contact-sheet`.")],
     output: Annotated[Path, typer.Option(help="The report to write, markdown.")],
     figures: Annotated[Path, typer.Option(help="Folder for the report's figures, PNG.")],
 ) -> None:
-    """Write the report of a run: tables, figures, and what was expected against what came out."""
-    from pipeline.evaluation.figures import progress
-    from pipeline.evaluation.report import render_report
-    from pipeline.evaluation.results import read_results
+    """Write the report: verdicts on the paper's claims, figures, every number, and every gap."""
+    from pipeline.evaluation.figures import TITLES, over_the_iterations, result
+    from pipeline.evaluation.material import read_material
+    from pipeline.evaluation.report import Pictures, render_report
     from pipeline.evaluation.writing import write_file
     from pipeline.inspection.canvas import png
     from pipeline.inspection.tracks import track_sheet
     from pipeline.output import refuse_existing
     from pipeline.world.tracks import TEST, TRAINING
 
-    sheets = {"Training tracks": ("training.png", TRAINING), "Test tracks": ("test.png", TEST)}
-    progress_path = figures / "progress.png"
-    for path in (output, progress_path, *(figures / name for name, _ in sheets.values())):
+    sheets = {"training": ("Training tracks", TRAINING), "test": ("Test tracks", TEST)}
+    paths = {name: figures / f"{name}.png" for name in ("result", *TITLES, *sheets)}
+    for path in (output, *paths.values()):
         refuse_existing(path)
+    for folder in (errors, frames):
+        if not folder.is_dir():
+            raise FileNotFoundError(f"{folder}: no such folder, expected seed_<n>.png in it")
 
-    for path in (errors, frames):
-        if not path.is_file():
-            raise FileNotFoundError(f"{path}: no such file, expected a picture")
-
-    results = read_results(metrics, iterations)
-    shown = {
-        "How the supervised primary's errors lie around tau": errors,
-        "What the first safety policy found safest and least safe": frames,
-        **{title: figures / name for title, (name, _) in sheets.items()},
-    }
+    material = read_material(metrics)
+    drawn = over_the_iterations(material.experiment)
+    head = result(material.experiment)
+    if head:
+        drawn["result"] = head
+    for name, (title, tracks) in sheets.items():
+        drawn[name] = track_sheet(list(tracks), title)
+    pngs = {name: png(figure) for name, figure in drawn.items()}
+    places = {name: options.seen_from(output, paths[name]) for name in pngs}
     text = render_report(
-        results,
-        progress=options.seen_from(output, progress_path),
-        pictures={title: options.seen_from(output, path) for title, path in shown.items()},
+        material,
+        Pictures(
+            result=places.get("result"),
+            figures={title: places[name] for name, title in TITLES.items() if name in places},
+            by_seed={
+                title: _of_seeds(folder, material.experiment.seeds, output)
+                for title, folder in ((ERRORS, errors), (FRAMES, frames))
+            },
+            tracks={title: places[name] for name, (title, _) in sheets.items()},
+        ),
     )
-    pictures = {progress_path: png(progress(results))}
-    for title, (name, tracks) in sheets.items():
-        pictures[figures / name] = png(track_sheet(list(tracks), title))
 
-    for path, picture in pictures.items():
-        write_file(path, picture)
+    for name, picture in pngs.items():
+        write_file(paths[name], picture)
     write_file(output, text.encode())
-    typer.echo(f"{output}: {iterations} iterations, {len(pictures)} figures in {figures}")
+    typer.echo(
+        f"{output}: {len(material.experiment.steps)} steps, {len(pngs)} figures in {figures}"
+    )
+
+
+def _of_seeds(folder: Path, seeds: list[int], output: Path) -> dict[int, str]:
+    """The pictures that there are, seen from the report."""
+    paths = {seed: folder / f"seed_{seed}.png" for seed in seeds}
+    return {seed: options.seen_from(output, path) for seed, path in paths.items() if path.is_file()}

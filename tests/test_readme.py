@@ -11,14 +11,7 @@ from stages import __main__ as cli
 ROOT = Path(__file__).parent.parent
 README = (ROOT / "README.md").read_text()
 STAGES = [path for path in ROOT.glob("stages/*.py") if "@app.command" in path.read_text()]
-OF_A_RUN = {
-    "report",
-    "errors",
-    "compare",
-    "inspect",
-    "compare-datasets",
-    "watch",
-}  # what has more to it than one iteration
+OF_A_RUN = {"report", "errors", "inspect", "compare", "watch"}  # what has more than one iteration
 
 
 def commands(heading: str) -> list[list[str]]:

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from pipeline.evaluation.results import MetricsFile, SafetyQuality
+from pipeline.evaluation.metrics_file import MetricsFile, SafetyQuality
 from pipeline.evaluation.summary import CONDITIONS, Performance
 from pipeline.policies.strategies import DRIVING
 

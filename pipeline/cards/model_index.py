@@ -6,7 +6,7 @@ from huggingface_hub import EvalResult, ModelCardData
 
 from pipeline.cards.measured import Measured
 from pipeline.cards.policy import PolicyFacts
-from pipeline.evaluation.results import SafetyQuality
+from pipeline.evaluation.metrics_file import SafetyQuality
 from pipeline.evaluation.summary import LAPS, Performance
 from pipeline.evaluation.wording import CONDITION_WORDS
 

@@ -1,4 +1,4 @@
-"""What a comparison has come to: every training strategy, iteration and seed, from its metrics."""
+"""What an experiment has come to: every training strategy, iteration and seed, from its metrics."""
 
 import re
 from collections.abc import Iterator, Mapping
@@ -6,8 +6,10 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from pipeline.data.ledger import Ledger
+from pipeline.evaluation.metrics_file import MetricsFile, SafetyQuality
 from pipeline.evaluation.outcomes import Outcome, read_outcomes
-from pipeline.evaluation.results import MetricsFile, SafetyQuality
+from pipeline.evaluation.summary import condition
+from pipeline.policies.strategies import Strategy
 
 RUNS = {
     "supervised": "supervised",
@@ -18,7 +20,11 @@ RUNS = {
     "safedagger_max": "SafeDAgger, 1 s ahead (max)",
     "safedagger_rising": "SafeDAgger, rising tau",
 }
-"""The branches of the comparison, in the order of the report, and their names there."""
+"""The branches of the experiment, in the order of the report, and their names there."""
+TRAINING = ("safedagger", "dagger", "dagger_budget", "supervised")
+"""The training strategies that are compared."""
+VARIANTS = ("safedagger", "safedagger_last", "safedagger_max", "safedagger_rising")
+"""SafeDAgger and its variants: the runs whose safety policies decide in rollouts."""
 
 _DRIVES = re.compile(r"drives_(?:(?P<run>[a-z_]+)_)?(?P<iteration>\d+)\.csv")
 _SEED = re.compile(r"seed_(?P<seed>\d+)")
@@ -33,12 +39,22 @@ class Step:
     """one of RUNS"""
     iteration: int
     """0 is the supervised stage, which the runs of a seed share"""
+    name: str
+    """of its files, `dagger_2` say: two steps of a seed with one name are the same drives"""
     drives: list[Outcome]
     """on the test tracks, with every driving strategy"""
     ledger: Ledger
     """what this iteration cost; that of D_0 in iteration 0, which is outside the loop"""
-    held_out: SafetyQuality
+    tau: float
     """of its safety policy"""
+    held_out: SafetyQuality
+    """of its safety policy, on frames of D_safe, which the reference drove"""
+    next_rollout: SafetyQuality | None
+    """on what it met in collecting for the next iteration; None where it did not"""
+
+    def drives_of(self, strategy: Strategy, where: str) -> list[Outcome]:
+        """Its drives of one driving strategy, in one of CONDITIONS."""
+        return [d for d in self.drives if (d.strategy, condition(d)) == (strategy, where)]
 
 
 @dataclass(frozen=True)
@@ -99,25 +115,40 @@ def _steps(folder: Path, seed: int) -> Iterator[Step]:
     found = {(match["run"], int(match["iteration"])) for match in named if match["run"] in RUNS}
     for run in sorted({run for run, iteration in found if iteration > 0}):
         last = max(iteration for other, iteration in found if other == run)
-        own = (run, 0) in found
-        yield read_step(folder, seed, run, 0, f"{run}_0" if own else "0")
-        for iteration in range(1, last + 1):
-            yield read_step(folder, seed, run, iteration, f"{run}_{iteration}")
+        start = f"{run}_0" if (run, 0) in found else "0"
+        names = [start, *(f"{run}_{iteration}" for iteration in range(1, last + 1))]
+        followers = [*names[1:], None] if run in VARIANTS else [None] * len(names)
+        for iteration, (name, follower) in enumerate(zip(names, followers, strict=True)):
+            yield read_step(folder, seed, run, iteration, name, follower)
 
 
-def read_step(folder: Path, seed: int, run: str, iteration: int, name: str) -> Step:
+def read_step(
+    folder: Path, seed: int, run: str, iteration: int, name: str, follower: str | None = None
+) -> Step:
     """The step whose files in `folder` are called `name`.
+
+    Args:
+        follower: the step whose rollout its policies drove; None where there is none.
 
     Raises:
         ValueError: a file does not hold what it should.
         FileNotFoundError: one is missing.
     """
     ledger = f"ledger_D_{name}.json" if iteration else "ledger_D_0.json"
+    safety = MetricsFile(folder / f"safety_{name}.json")
+    rollout = (
+        MetricsFile(folder / f"rollout_{follower}.json").record(SafetyQuality, "rollout")
+        if follower
+        else None
+    )
     return Step(
         seed=seed,
         run=run,
         iteration=iteration,
+        name=name,
         drives=read_outcomes(folder / f"drives_{name}.csv"),
         ledger=MetricsFile(folder / ledger).record(Ledger),
-        held_out=MetricsFile(folder / f"safety_{name}.json").record(SafetyQuality, "held_out"),
+        tau=safety.number("tau"),
+        held_out=safety.record(SafetyQuality, "held_out"),
+        next_rollout=rollout,
     )

@@ -10,18 +10,27 @@ from dataclasses import dataclass
 from pipeline.evaluation.comparison import Cell, Contrast, contrast
 from pipeline.evaluation.experiment import Experiment
 from pipeline.evaluation.summary import LAPS
-from pipeline.evaluation.wording import amount, laps, share
+from pipeline.evaluation.wording import amount, interval, laps, share
 
 MARGIN = 0.1
 """[laps] a smaller difference counts as none, where that is the question"""
 PAIRS = 6
 """fewer prove nothing: of five, all point the same way by chance once in sixteen times"""
-FORMS: dict[str, tuple[Callable[[float], str], float, str]] = {
-    "laps": (laps, 1, "+z.2f"),
-    "takeover": (share, 100, "+z.1f"),
-    "steering_mse": (amount, 1, "+z.2g"),
+
+
+@dataclass(frozen=True)
+class Form:
+    """How a metric is written."""
+
+    value: Callable[[float], str]
+    difference: Callable[[float], str]
+
+
+FORMS = {
+    "laps": Form(laps, "{:+z.2f}".format),
+    "takeover": Form(share, lambda gap: f"{100 * gap:+z.1f}"),
+    "steering_mse": Form(amount, "{:+z.2g}".format),
 }
-"""of a metric: form of a value; scale and form of a difference"""
 
 
 @dataclass(frozen=True)
@@ -76,12 +85,11 @@ def compare(
     found = contrast(experiment, metric, cell, baseline)
     if found is None:
         return Finding(None, f"{words}: not measured")
-    form, scale, spec = FORMS[metric]
+    form = FORMS[metric]
     gap = found.difference
     enough = gap.count >= PAIRS
-    value, low, high = (f"{scale * each:{spec}}" for each in (gap.value, gap.low, gap.high))
     return Finding(
         judge(found) if enough else None,
-        f"{words}: {form(found.value)} against {form(found.baseline)} "
-        f"({value} [{low}, {high}], {gap.count} pairs{'' if enough else ': too few'})",
+        f"{words}: {form.value(found.value)} against {form.value(found.baseline)} "
+        f"({interval(gap, form.difference)}, {gap.count} pairs{'' if enough else ': too few'})",
     )

@@ -1,155 +1,134 @@
-"""The report of a run: markdown made from its metrics, every figure and every verdict."""
+"""The report: markdown made from all metrics, every verdict, every number and every gap."""
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
 
-from pipeline.data.ledger import cumulative
-from pipeline.evaluation import tables
-from pipeline.evaluation.expectations import Check, check_expectations
-from pipeline.evaluation.results import STRATEGIES, Iteration, Results
-from pipeline.evaluation.shortfalls import Shortfall, shortfalls
-from pipeline.evaluation.summary import CONDITIONS, LAPS
-from pipeline.evaluation.wording import CONDITION_WORDS, amount, count, laps, share, table
-from pipeline.policies.strategies import Strategy
+from pipeline.evaluation import safety_tables, tables
+from pipeline.evaluation.experiment import VARIANTS, Experiment
+from pipeline.evaluation.gaps import gaps
+from pipeline.evaluation.headline import OURS, basis, cost, headline
+from pipeline.evaluation.material import Material
+from pipeline.evaluation.scratch import warm_or_scratch
+from pipeline.evaluation.shortfalls import falls_short
+from pipeline.evaluation.summary import LAPS
+from pipeline.evaluation.track_table import by_track
+from pipeline.evaluation.verdicts import verdicts
+from pipeline.evaluation.wording import table
 
 
-def render_report(results: Results, *, progress: str, pictures: Mapping[str, str]) -> str:
-    """The report as markdown.
+@dataclass(frozen=True)
+class Pictures:
+    """Where the pictures lie, seen from the report."""
 
-    Args:
-        progress: where the figure over the iterations lies, seen from the report.
-        pictures: title to place of each picture at its end.
-    """
-    checks = check_expectations(results)
+    result: str | None
+    """the one at its head; None where there is nothing to draw"""
+    figures: Mapping[str, str]
+    """over the iterations, by title"""
+    by_seed: Mapping[str, Mapping[int, str]]
+    """by title and seed"""
+    tracks: Mapping[str, str]
+    """by title"""
+
+
+def render_report(material: Material, pictures: Pictures) -> str:
+    """The report as markdown."""
+    experiment = material.experiment
     sections = [
         "# SafeDAgger: the result",
-        _headline(results, checks),
-        f"![Driving, cost and safety policy over the iterations]({progress})",
-        _cost(results),
-        "## Driving on the test tracks",
-        tables.driving(results),
-        "## What it cost",
-        tables.ledger(results),
-        "## The safety policy",
-        tables.safety(results),
-        f"## Track by track, after iteration {results.last.number}",
-        tables.tracks(results.last),
-        "## Where the result falls short",
-        _shortfalls(results),
-        "## Expectations",
-        _expectations(checks),
+        headline(experiment),
+        *_result(pictures),
+        cost(material),
+        basis(material),
+        "## Claims of the paper",
+        _claims(experiment),
+        "## Over the iterations",
+        "Bars are 95 % intervals. Lines stand a little apart, so that equal ones stay visible.",
+        *(f"{title}:\n\n![{title}]({place})" for title, place in pictures.figures.items()),
+        "## In numbers",
+        *_numbers(material),
+        "## Track by track, after the last iteration",
+        "Each cell: without traffic / with traffic, over all starts and seeds.",
+        by_track(experiment),
+        *_shortfalls(experiment),
         "## Pictures",
-        *(f"![{title}]({place})" for title, place in pictures.items()),
+        *(_of_seeds(title, places) for title, places in pictures.by_seed.items() if places),
+        *(f"![{title}]({place})" for title, place in pictures.tracks.items()),
+        "## What is missing",
+        "\n".join(f"- {gap}" for gap in gaps(material, pictures.by_seed)) or "Nothing.",
     ]
     return "\n\n".join(sections) + "\n"
 
 
-def _headline(results: Results, checks: list[Check]) -> str:
-    """The result, in sentences that depend on the data."""
-    first, last = results.first, results.last
-    total = cumulative([iteration.ledger for iteration in results.loop])[-1]
-    without, with_traffic = _laps(first, Strategy.NAIVE)
-    failed = sum(not check.holds for check in checks)
-    verdict = {0: f"All {len(checks)} [expectations](#expectations) hold."}.get(
-        failed, f"Of {len(checks)} [expectations](#expectations), {failed} failed."
-    )
-    return (
-        f"Driven naively, the primary completed {without} of {LAPS:g} laps without traffic and "
-        f"{with_traffic} with traffic after supervised training; after iteration {last.number} it "
-        f"completed {_laps_in_words(last, Strategy.NAIVE)}. In between, the reference was asked "
-        f"{count(total.queries)} times, in {share(total.queries / total.frames_driven)} of the "
-        "frames driven. "
-        f"With the safe strategy it was {_laps_in_words(first, Strategy.SAFE)} at first, the "
-        f"reference driving {_takeovers(first)} of the time, and "
-        f"{_laps_in_words(last, Strategy.SAFE)} in the end, the reference driving "
-        f"{_takeovers(last)}. {verdict}"
-    )
+def _result(pictures: Pictures) -> Iterator[str]:
+    if pictures.result:
+        yield f"![Naive laps against queries, and takeover]({pictures.result})"
 
 
-def _laps(iteration: Iteration, strategy: Strategy) -> list[str]:
-    return [laps(iteration.driving[strategy][where].laps) for where in CONDITIONS]
-
-
-def _laps_in_words(iteration: Iteration, strategy: Strategy) -> str:
-    if all(iteration.driving[strategy][where].laps >= LAPS for where in CONDITIONS):
-        return "all of them in both conditions"
-    return " and ".join(_laps(iteration, strategy))
-
-
-def _takeovers(iteration: Iteration) -> str:
-    safe = iteration.driving[Strategy.SAFE]
-    return " and ".join(share(safe[where].takeover) for where in CONDITIONS)
-
-
-def _cost(results: Results) -> str:
-    total = cumulative([iteration.ledger for iteration in results.loop])[-1]
-    in_rollouts = total.frames_driven - total.queries  # each frame's deviation is known
-    in_evaluation = sum(
-        step.driving[strategy][where].measuring_queries
-        for step in results.iterations
-        for strategy in STRATEGIES
-        for where in CONDITIONS
-    )
-    return (
-        f"**Cost.** {count(total.queries)} queries in the loop, which drove "
-        f"{count(total.frames_driven)} frames, after {count(results.first.ledger.queries)} for "
-        f"D_0 and {count(results.d_safe.queries)} for D_safe; the last primary was trained on "
-        f"{count(total.frames_trained)} frames. Only to measure, never to drive or to train, the "
-        f"reference was asked in {count(in_rollouts)} frames of rollouts and "
-        f"{count(in_evaluation)} of evaluation."
-    )
-
-
-def _shortfalls(results: Results) -> str:
-    last = results.last
-    found = shortfalls(last)
-    cases = len(STRATEGIES) * len(CONDITIONS) * len(last.tracks)
-    if not found:
-        return (
-            f"Nowhere: after iteration {last.number}, {LAPS:g} laps without damage on every test "
-            "track, in both conditions and with both strategies."
-        )
+def _claims(experiment: Experiment) -> str:
     rows = [
-        [
-            f"{case.strategy}, {CONDITION_WORDS[case.condition]}, {case.track}",
-            laps(case.performance.laps),
-            amount(case.performance.damage_per_lap),
-            f"{case.left} of {case.performance.drives}",
-            f"{case.stuck} of {case.performance.drives}",
-        ]
-        for case in found
+        [one.claim, one.verdict if one.verdict == "holds" else f"**{one.verdict}**", one.evidence]
+        for one in verdicts(experiment)
     ]
-    header = ["Case", "Laps", "Damage per lap", "Left the road", "Stopped short on it"]
-    return "\n\n".join(
-        [
-            f"After iteration {last.number}, {len(found)} of {cases} cases have less than "
-            f"{LAPS:g} laps or some damage.",
-            table(header, rows),
-            _limits(results, found),
-        ]
+    return table(["Claim", "Verdict", "Numbers"], rows, words=3)
+
+
+def _numbers(material: Material) -> Iterator[str]:
+    """The tables, each group under its heading; those that would be empty are left out."""
+    experiment = material.experiment
+    yield "### Driving on the test tracks"
+    yield (
+        "Each cell: without traffic / with traffic, with 95 % intervals. Laps are the mean over "
+        f"the drives, {LAPS:g} at most, halted on leaving the road. Damage is in m²/s² per lap "
+        "driven. The steering MSE is per frame that the primary drove, full lock = 1. Takeover is "
+        "the share of the frames that the reference drove."
     )
-
-
-def _limits(results: Results, found: list[Shortfall]) -> str:
-    """What the data says about the causes."""
-    left, stuck = sum(case.left for case in found), sum(case.stuck for case in found)
-    hit = sum(case.hit for case in found)
-    sentences = [
-        f"In these cases {left} drives ended by leaving the road, {stuck} stood still or ran out "
-        f"of time, and {hit} touched another car."
-    ]
-    collector = results.iterations[-2]
-    if collector.next_rollout and collector.next_rollout.recall is not None:
-        sentences.append(
-            "In the last rollout the safety policy recognised "
-            f"{share(collector.next_rollout.recall)} of the truly unsafe frames, against "
-            f"{share(collector.held_out.recall)} of those held out."
+    yield from (tables.driving(experiment, metric) for metric in tables.METRICS)
+    yield "### What it cost"
+    yield (
+        "A query is a frame in which the reference was asked for an action to drive or to train "
+        "with. Counts are those of the loop, without D_0 and D_safe, which the reference drives "
+        "alone, and means over the seeds. Trained on is D_i: D_0 and all that was added so far; "
+        "D_safe never trains a primary."
+    )
+    yield tables.cost(experiment)
+    if set(VARIANTS) & set(experiment.runs):
+        yield "### The safety policies"
+        yield (
+            "Each cell: held-out frames of D_safe, which the reference drove / frames of the next "
+            "rollout, which this safety policy decided about; after the last iteration there was "
+            "none. Means over the seeds. Truly unsafe is a frame with a deviation above tau."
         )
-    return " ".join(sentences)
+        yield safety_tables.safety(experiment)
+    if material.thresholds:
+        yield "### Other thresholds"
+        yield (
+            "The supervised primary under the safe strategy, with safety policies of several tau. "
+            "Truly unsafe is the share of the held-out frames of D_safe with a deviation above tau."
+        )
+        yield safety_tables.thresholds(material.thresholds)
+    if material.scratch.steps:
+        yield "### Warm start or from scratch"
+        yield warm_or_scratch(material.scratch)
+    if material.errors:
+        yield "### Which errors are safe"
+        yield (
+            "The steering errors of the supervised primary on D_0, which it was trained on, and on "
+            "drives like these that nobody trained on: the share of the frames that tau calls safe, "
+            "and the tau under which as many of the held-out frames were safe as in the paper."
+        )
+        yield safety_tables.errors(material.errors)
 
 
-def _expectations(checks: list[Check]) -> str:
-    rows = [
-        [check.claim, "holds" if check.holds else "**does not hold**", check.evidence]
-        for check in checks
-    ]
-    return table(["What was expected", "Verdict", "Numbers"], rows, words=3)
+def _shortfalls(experiment: Experiment) -> Iterator[str]:
+    if OURS in experiment.runs:
+        yield "## Where SafeDAgger falls short"
+        yield falls_short(experiment.of(OURS, experiment.iterations(OURS)[-1]))
+
+
+def _of_seeds(title: str, places: Mapping[int, str]) -> str:
+    """The picture of the lowest seed, and links to the others."""
+    (first, shown), *others = sorted(places.items())
+    links = ", ".join(f"[seed {seed}]({place})" for seed, place in others)
+    words = f"{title}, seed {first}"
+    also = f" (also {links})" if links else ""
+    return f"{words}{also}:\n\n![{words}]({shown})"

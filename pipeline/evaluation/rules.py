@@ -15,6 +15,7 @@ from pipeline.evaluation.findings import (
     falls,
     rises_or_is_full,
 )
+from pipeline.evaluation.outcomes import Outcome
 from pipeline.evaluation.summary import CONDITIONS, LAPS, condition
 from pipeline.evaluation.wording import CONDITION_WORDS, count, laps
 from pipeline.policies.strategies import Strategy
@@ -32,6 +33,27 @@ def is_whole(experiment: Experiment, seed: int, run: str) -> bool:
         step and needed <= {(drive.strategy, condition(drive)) for drive in step.drives}
         for step in steps
     )
+
+
+def falls_short(experiment: Experiment) -> Finding:
+    """On every seed, the supervised primary does less than LAPS naively on some test track, with or
+    without traffic; does not hold where that is so on no seed.
+    """
+    short, numbers = set(), []
+    for seed in experiment.seeds:
+        drives = _supervised(experiment, seed)
+        if not drives:
+            return Finding(None, f"seed {seed}: not measured")
+        cases = {(drive.track, condition(drive)) for drive in drives}
+        failed = {(drive.track, condition(drive)) for drive in drives if drive.laps < LAPS}
+        worst = min(drives, key=lambda drive: (drive.laps, drive.track, drive.traffic))
+        short.add(bool(failed))
+        numbers.append(
+            f"seed {seed}: in {len(failed)} of {len(cases)} cases of track and traffic; worst is "
+            f"{worst.track} {CONDITION_WORDS[condition(worst)]}, {laps(min(worst.laps, LAPS))} of "
+            f"{LAPS:g} laps"
+        )
+    return Finding(short.pop() if len(short) == 1 else None, "; ".join(numbers))
 
 
 def arrives_first(experiment: Experiment) -> Finding:
@@ -132,6 +154,18 @@ def needs_fewer_queries(experiment: Experiment, rival: str) -> Finding:
         f"{count(round(spent))} queries; SafeDAgger as far, within {MARGIN:g}: surely "
         f"{_after(surely, spent)}, possibly {_after(possibly, spent)}",
     )
+
+
+def _supervised(experiment: Experiment, seed: int) -> list[Outcome]:
+    """Naive drives of iteration 0, whatever run they stand for: its primary is the same."""
+    return [
+        drive
+        for run in experiment.runs
+        for step in experiment.of(run, 0)
+        if step.seed == seed
+        for drive in step.drives
+        if drive.strategy == Strategy.NAIVE
+    ]
 
 
 def _arrival(experiment: Experiment, seed: int, run: str) -> float:

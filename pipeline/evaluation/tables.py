@@ -1,153 +1,107 @@
-"""The report's tables, each with the words that explain it."""
+"""The tables with a row for each run and iteration: every metric with its interval, and the cost."""
 
-from collections.abc import Mapping
+from collections.abc import Callable
+from statistics import fmean
 
 from pipeline.data.ledger import Ledger, cumulative
-from pipeline.evaluation.results import STRATEGIES, Iteration, Results, SafetyQuality
-from pipeline.evaluation.summary import CONDITIONS, LAPS, Performance, measure
-from pipeline.evaluation.wording import NOTHING, amount, count, laps, ratio, share, table
-from pipeline.policies.strategies import Strategy
+from pipeline.evaluation.comparison import Cell, estimate
+from pipeline.evaluation.experiment import RUNS, Experiment
+from pipeline.evaluation.summary import CONDITIONS
+from pipeline.evaluation.wording import amount, count, interval, laps, share, table
+from pipeline.policies.strategies import DRIVING, Strategy
 
-DRIVING = {
-    "laps": ("Laps", laps),
-    "damage_per_lap": ("Damage per lap", amount),
-    "steering_mse": ("Steering MSE", amount),
+NAIVE, SAFE, OPTIMAL = DRIVING
+METRICS: dict[str, tuple[str, Callable[[float], str], tuple[Strategy, ...]]] = {
+    "laps": ("Laps", laps, DRIVING),
+    "off_road": ("Left the road", share, DRIVING),
+    "damage_per_lap": ("Damage per lap", amount, DRIVING),
+    "steering_mse": ("Steering MSE", amount, (NAIVE, SAFE)),
+    "takeover": ("Takeover", share, (SAFE, OPTIMAL)),
+    "switches_per_lap": ("Switches per lap", amount, (SAFE, OPTIMAL)),
+    "takeover_length": ("Frames of a takeover", amount, (SAFE, OPTIMAL)),
 }
-BASIS = {
-    "off_road": ("Left the road", share),
-    "drives": ("Drives", count),
-    "measuring_queries": ("Frames of the MSE", count),
-}
-SAFETY = {
-    "auroc": ("AUROC", ratio),
-    "recall": ("Recall of unsafe", share),
-    "precision": ("Precision of unsafe", share),
-    "share_unsafe": ("Truly unsafe", share),
-    "share_predicted_unsafe": ("Called unsafe", share),
-}
-UNKNOWN = SafetyQuality(None, None, None, None, None)
+"""Of a metric: its title, its form, and the driving strategies that it is given of."""
 
 
-def driving(results: Results) -> str:
-    """The metrics of Sec. 4.4, a row per iteration, and what they rest on."""
-    metrics = [
-        [str(step.number), *_driving_cells(step.driving, DRIVING), *_takeover(step.driving)]
-        for step in results.iterations
-    ]
-    basis = [
-        [str(step.number), *_driving_cells(step.driving, BASIS)] for step in results.iterations
-    ]
-    return "\n\n".join(
-        [
-            f"Each cell: without traffic / with traffic ({_cars(results.last)}). Laps are the mean "
-            f"over {', '.join(results.last.tracks)}, {LAPS:g} at most, halted on leaving the road. "
-            "Damage is in m²/s² per lap driven. The steering MSE is per frame that the primary "
-            "drove, full lock = 1. Takeover is the share of the frames that the reference drove, "
-            "under the safe strategy.",
-            table(["Iteration", *_headers(DRIVING), "Takeover, safe"], metrics),
-            "What this rests on:",
-            table(["Iteration", *_headers(BASIS)], basis),
-        ]
-    )
+def driving(experiment: Experiment, metric: str) -> str:
+    """One metric under the strategies that were driven, and of the steering MSE the frames that it
+    rests on.
+    """
+    title, _, of_metric = METRICS[metric]
+    driven = {drive.strategy for step in experiment.steps.values() for drive in step.drives}
+    strategies = [strategy for strategy in of_metric if strategy in driven]
+    header = [f"{title}, {strategy}" for strategy in strategies]
+    if metric == "steering_mse":
+        header += [f"Frames of the MSE, {strategy}" for strategy in strategies]
+
+    def cells(run: str, iteration: int) -> list[str]:
+        found = [estimates(experiment, metric, run, iteration, each) for each in strategies]
+        if metric == "steering_mse":
+            found += [_frames(experiment, run, iteration, each) for each in strategies]
+        return [" / ".join(pair) for pair in found]
+
+    return by_iteration(experiment, experiment.runs, header, cells)
 
 
-def tracks(iteration: Iteration) -> str:
-    """The same metrics, a row per track, of one iteration."""
-    rows = []
-    for track in iteration.tracks:
-        performances = {
-            strategy: {
-                where: measure(iteration.drives_of(strategy, where, track)) for where in CONDITIONS
-            }
-            for strategy in STRATEGIES
-        }
-        rows.append([track, *_driving_cells(performances, DRIVING), *_takeover(performances)])
-    header = ["Track", *_headers(DRIVING), "Takeover, safe"]
-    return f"Each cell: without traffic / with traffic.\n\n{table(header, rows)}"
-
-
-def ledger(results: Results) -> str:
-    """Frames driven, queries and frames trained on, of each iteration and so far."""
-    rows = [
-        ["D_0", *_counts(results.first.ledger), *[NOTHING] * 3],
-        ["D_safe", *_counts(results.d_safe)[:3], *[NOTHING] * 5],
-    ]
-    totals = cumulative([step.ledger for step in results.loop])
-    for step, total in zip(results.loop, totals, strict=True):
-        so_far = [count(total.frames_driven), count(total.queries), share(total.takeover)]
-        rows.append([str(step.number), *_counts(step.ledger), *so_far])
+def cost(experiment: Experiment) -> str:
+    """What the loop has cost so far: means over the seeds."""
     header = [
-        "Iteration",
-        "Frames driven",
-        "Queries",
-        "Driven by the reference",
-        "Frames selected",
-        "Frames trained on",
-        "Driven so far",
         "Queries so far",
-        "By the reference so far",
+        "Frames driven so far",
+        "Of them by the reference",
+        "Frames trained on",
     ]
-    return (
-        "A query is a frame in which the reference was asked for an action to drive or to train "
-        "with. Trained on is D_i: D_0 and all that was selected so far. D_0 and D_safe are driven "
-        "by the reference alone and stand apart from the loop, as in the paper; D_safe never "
-        f"trains a primary.\n\n{table(header, rows)}"
-    )
+
+    def cells(run: str, iteration: int) -> list[str]:
+        queries, driven, takeover, trained = spent(experiment, run, iteration)
+        frames = [count(round(number)) for number in (queries, driven, trained)]
+        return [*frames[:2], share(takeover if iteration else None), frames[2]]
+
+    return by_iteration(experiment, experiment.runs, header, cells)
 
 
-def safety(results: Results) -> str:
-    """How well each safety policy finds the unsafe frames."""
+def by_iteration(
+    experiment: Experiment,
+    runs: list[str],
+    header: list[str],
+    cells: Callable[[str, int], list[str]],
+) -> str:
+    """A row for each run and iteration."""
     rows = [
-        [str(step.number), f"{step.tau:g}", *_safety_cells(step)] for step in results.iterations
+        [RUNS[run], str(iteration), *cells(run, iteration)]
+        for run in runs
+        for iteration in experiment.iterations(run)
     ]
-    header = ["Iteration", "tau", *(words for words, _ in SAFETY.values())]
-    return (
-        "Each cell: held-out frames of D_safe, which the reference drove / frames of the next "
-        "rollout, which this safety policy decided about; after the last iteration there was none. "
-        "Truly unsafe is a frame with a deviation above tau.\n\n" + table(header, rows)
-    )
+    return table(["Run", "Iteration", *header], rows)
 
 
-def _headers(metrics: Mapping[str, tuple]) -> list[str]:
-    return [f"{words}, {strategy}" for words, _ in metrics.values() for strategy in STRATEGIES]
-
-
-def _driving_cells(
-    performances: Mapping[Strategy, Mapping[str, Performance]], metrics: Mapping[str, tuple]
+def estimates(
+    experiment: Experiment, metric: str, run: str, iteration: int, strategy: Strategy
 ) -> list[str]:
-    """A cell for each metric and strategy: without / with traffic."""
-    return [
-        " / ".join(form(getattr(performances[strategy][where], name)) for where in CONDITIONS)
-        for name, (_, form) in metrics.items()
-        for strategy in STRATEGIES
-    ]
+    """Without and with traffic, each with its interval."""
+    form = METRICS[metric][1]
+    cells = [Cell(run, (iteration,), strategy, (where,)) for where in CONDITIONS]
+    return [interval(estimate(experiment, metric, cell), form) for cell in cells]
 
 
-def _takeover(performances: Mapping[Strategy, Mapping[str, Performance]]) -> list[str]:
-    """One cell: under the naive strategy nobody takes over."""
-    safe = performances[Strategy.SAFE]
-    return [" / ".join(share(safe[where].takeover) for where in CONDITIONS)]
+def spent(experiment: Experiment, run: str, iteration: int) -> tuple[float, float, float, float]:
+    """Queries and frames driven in the loop so far, the share of these by the reference, and frames
+    trained on: means over the seeds.
+    """
+    nothing = Ledger(0, 0, 0, 0, 0.0)
+    rows = []
+    for step in experiment.of(run, iteration):
+        loop = [experiment.steps[step.seed, run, i].ledger for i in range(1, iteration + 1)]
+        total = cumulative(loop)[-1] if loop else nothing
+        rows.append(
+            (total.queries, total.frames_driven, total.takeover, step.ledger.frames_trained)
+        )
+    queries, driven, takeover, trained = (fmean(column) for column in zip(*rows, strict=True))
+    return queries, driven, takeover, trained
 
 
-def _safety_cells(iteration: Iteration) -> list[str]:
-    """A cell for each measure: held-out / next rollout."""
-    rollout = iteration.next_rollout or UNKNOWN
-    return [
-        f"{form(getattr(iteration.held_out, name))} / {form(getattr(rollout, name))}"
-        for name, (_, form) in SAFETY.items()
-    ]
-
-
-def _counts(entry: Ledger) -> list[str]:
-    return [
-        count(entry.frames_driven),
-        count(entry.queries),
-        share(entry.takeover),
-        count(entry.frames_selected),
-        count(entry.frames_trained),
-    ]
-
-
-def _cars(iteration: Iteration) -> str:
-    levels = sorted({drive.traffic for drive in iteration.drives if drive.traffic > 0})
-    return f"{' or '.join(map(str, levels))} cars"
+def _frames(experiment: Experiment, run: str, iteration: int, strategy: Strategy) -> list[str]:
+    """Frames that the primary drove, without and with traffic."""
+    steps = experiment.of(run, iteration)
+    drives = [[d for step in steps for d in step.drives_of(strategy, c)] for c in CONDITIONS]
+    return [count(sum(drive.primary_frames for drive in each)) for each in drives]

@@ -5,7 +5,6 @@ from collections import defaultdict
 from pathlib import Path
 
 from pipeline.evaluation.experiment import Experiment, Step, read_step
-from pipeline.evaluation.results import MetricsFile
 
 RUN = "safedagger"
 """Stands for all runs that begin with this primary."""
@@ -29,9 +28,9 @@ def read_thresholds(metrics: Path) -> dict[float, Experiment]:
     for named in found:
         if named["seed"] in varied:
             folder, name = metrics / f"seed_{named['seed']}", named["name"]
-            tau = MetricsFile(folder / f"safety_{name}.json").number("tau")
             step = read_step(folder, int(named["seed"]), RUN, 0, name)
-            if (step.seed, RUN, 0) in steps[tau]:
-                raise ValueError(f"{metrics / named[0]}: tau is {tau:g} again, expected another")
-            steps[tau][step.seed, RUN, 0] = step
+            if (step.seed, RUN, 0) in steps[step.tau]:
+                problem = f"tau is {step.tau:g} again, expected another"
+                raise ValueError(f"{metrics / named[0]}: {problem}")
+            steps[step.tau][step.seed, RUN, 0] = step
     return {tau: Experiment(steps[tau]) for tau in sorted(steps)}

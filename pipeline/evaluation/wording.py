@@ -1,6 +1,9 @@
 """Numbers as they stand in the report."""
 
 import math
+from collections.abc import Callable
+
+from pipeline.evaluation.statistics import Estimate
 
 NOTHING = "-"
 """stands where there is no number"""
@@ -32,6 +35,13 @@ def ratio(value: float | None) -> str:
 def count(value: int) -> str:
     """With thousands apart."""
     return f"{value:,}"
+
+
+def interval(found: Estimate | None, form: Callable[[float], str]) -> str:
+    """A value with its 95 % interval."""
+    if found is None:
+        return NOTHING
+    return f"{form(found.value)} [{form(found.low)}, {form(found.high)}]"
 
 
 def table(header: list[str], rows: list[list[str]], words: int = 1) -> str:

@@ -1,13 +1,14 @@
 """Experiments from small tables, whose verdicts are known."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
 from pipeline.data.ledger import Ledger
 from pipeline.evaluation.experiment import Experiment, Step
+from pipeline.evaluation.material import ErrorShares, Material
+from pipeline.evaluation.metrics_file import SafetyQuality
 from pipeline.evaluation.outcomes import Outcome
-from pipeline.evaluation.results import SafetyQuality
 from pipeline.policies.strategies import Strategy
 from tests.evaluation.sample import CARS, TRACKS, outcome
 
@@ -79,11 +80,38 @@ def experiment(table: Table, seeds: int = 1, starts: int = 4) -> Experiment:
     )
 
 
+def changed(made_up: Experiment, change: Callable[[Step], Step]) -> Experiment:
+    """The same, but for what `change` makes of each step."""
+    return Experiment({key: change(step) for key, step in made_up.steps.items()})
+
+
+def with_optimal(step: Step, **changes: Any) -> Step:
+    """With drives like the safe ones, but for the `changes`, under the optimal safety policy."""
+    safe = [drive for drive in step.drives if drive.strategy == Strategy.SAFE]
+    optimal = [replace(drive, strategy=Strategy.OPTIMAL, **changes) for drive in safe]
+    return replace(step, drives=step.drives + optimal)
+
+
+def material(made_up: Experiment, **changes: Any) -> Material:
+    """An experiment, and each seed's D_safe and errors; nothing else beside it."""
+    parts: dict[str, Any] = {
+        "thresholds": {},
+        "scratch": Experiment({}),
+        "d_safe": {seed: Ledger(5600, 5600, 5600, 5600, 1.0) for seed in made_up.seeds},
+        "errors": {
+            seed: ErrorShares(0.0025, 0.95, 0.8, share=0.777, tau_for_share=0.0018)
+            for seed in made_up.seeds
+        },
+    }
+    return Material(made_up, **parts | changes)
+
+
 def _step(seed: int, run: str, iteration: int, level: Level, starts: int) -> Step:
     return Step(
         seed=seed,
         run=run,
         iteration=iteration,
+        name=f"{run}_{iteration}" if iteration else "0",
         drives=[
             _drive(level, strategy, number, track, start)
             for strategy in (Strategy.NAIVE, Strategy.SAFE)
@@ -92,7 +120,9 @@ def _step(seed: int, run: str, iteration: int, level: Level, starts: int) -> Ste
             for start in range(starts)
         ],
         ledger=Ledger(FRAMES, level.queries, FRAMES, FRAMES, 0.3),
+        tau=0.0025,
         held_out=SafetyQuality(None, None, None, None, None),
+        next_rollout=None,
     )
 
 

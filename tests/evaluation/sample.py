@@ -5,7 +5,6 @@ from pathlib import Path
 from typing import Any
 
 from pipeline.evaluation.outcomes import Outcome, write_outcomes
-from pipeline.evaluation.summary import summarise
 from pipeline.evaluation.writing import write_metrics
 from pipeline.policies.strategies import Strategy
 
@@ -89,7 +88,6 @@ def write_run(metrics: Path, plan: Mapping = GOOD, iterations: int = 3) -> Path:
     for i in range(iterations + 1):
         step = f"safedagger_{i}" if i else "0"
         write_outcomes(metrics / f"drives_{step}.csv", drives(i, plan))
-        write_metrics(metrics / f"driving_{step}.json", summarise(drives(i, plan)))
         ledger = {
             "frames_driven": 3600 + 10 * i,
             "queries": 3600 if i == 0 else 1400 - 300 * i,
@@ -106,4 +104,7 @@ def write_run(metrics: Path, plan: Mapping = GOOD, iterations: int = 3) -> Path:
     d_safe = {"frames_selected": 1201, "frames_trained": 1201, "takeover": 1.0}
     d_safe |= {"frames_driven": 1201, "queries": 1201}
     write_metrics(metrics / "ledger_D_safe.json", d_safe)
+    errors = {"trained_on": {"share_safe": 0.95}, "tau": 0.0025, "share": 0.777}
+    errors |= {"held_out": {"share_safe": 0.8, "tau_for_share": 0.0018}}
+    write_metrics(metrics / "errors.json", errors)
     return metrics

@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 
 from pipeline.evaluation.experiment import RUNS, Experiment, read_experiment
+from pipeline.policies.strategies import Strategy
 from tests.evaluation.sample import drives, write_run
 
 
@@ -32,8 +33,29 @@ def test_every_seed_and_run_is_read(tmp_path: Path) -> None:
     step = experiment.steps[10, "supervised", 2]
     assert (step.seed, step.run, step.iteration) == (10, "supervised", 2)
     assert step.drives == drives(2)
+    assert step.name == "supervised_2"
     assert step.ledger.queries == 800
     assert step.held_out.auroc == 0.9
+    assert step.tau == 0.0025
+
+
+def test_rollouts_belong_to_the_policies_that_drove_them(tmp_path: Path) -> None:
+    """Those of other strategies than SafeDAgger's know no safety policy."""
+    write_seed(tmp_path, 0, "safedagger_last", "dagger")
+    experiment = read_experiment(tmp_path)
+    for run in ("safedagger", "safedagger_last"):
+        steps = [experiment.steps[0, run, i] for i in range(4)]
+        recalls = [step.next_rollout and step.next_rollout.recall for step in steps]
+        assert recalls == [pytest.approx(0.48), pytest.approx(0.46), pytest.approx(0.44), None]
+    assert {experiment.steps[0, "dagger", i].next_rollout for i in range(4)} == {None}
+
+
+def test_drives_are_told_apart_by_strategy_and_condition(tmp_path: Path) -> None:
+    write_seed(tmp_path, 0)
+    step = read_experiment(tmp_path).steps[0, "safedagger", 1]
+    expected = [d for d in drives(1) if d.strategy == Strategy.SAFE and d.traffic > 0]
+    assert step.drives_of(Strategy.SAFE, "traffic") == expected
+    assert step.drives_of(Strategy.OPTIMAL, "traffic") == []
 
 
 def test_the_queries_are_those_of_the_loop_so_far(tmp_path: Path) -> None:
@@ -65,7 +87,13 @@ def test_what_is_no_run_or_seed_is_left_alone(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize(
     "name",
-    ["drives_0.csv", "drives_dagger_1.csv", "ledger_D_dagger_2.json", "safety_safedagger_3.json"],
+    [
+        "drives_0.csv",
+        "drives_dagger_1.csv",
+        "ledger_D_dagger_2.json",
+        "safety_safedagger_3.json",
+        "rollout_safedagger_2.json",
+    ],
 )
 def test_a_missing_file_is_named(tmp_path: Path, name: str) -> None:
     (write_seed(tmp_path, 0, "dagger") / name).unlink()

@@ -1,187 +1,259 @@
-"""The report says what the data says, for better or worse."""
+"""The report says what the experiment says, for better or worse, and what it lacks."""
 
-from pathlib import Path
-from typing import Any
+from dataclasses import replace
 
-import pytest
-from typer.testing import CliRunner
-
-from pipeline.evaluation.expectations import check_expectations
-from pipeline.evaluation.report import render_report
-from pipeline.evaluation.results import STRATEGIES, Results, read_results
-from pipeline.evaluation.summary import CONDITIONS
-from pipeline.evaluation.wording import amount, laps, share
+from pipeline.data.ledger import Ledger
+from pipeline.evaluation.experiment import RUNS, Experiment, Step
+from pipeline.evaluation.summary import condition
+from pipeline.evaluation.verdicts import verdicts
 from pipeline.policies.strategies import Strategy
-from stages.report import app
-from tests.evaluation.sample import CARS, GOOD, write_run
-
-PERFECT = {(strategy, cars): ((3.0, 0, 0.1),) * 4 for strategy, cars in GOOD}
-
-
-def run(folder: Path, **changes: Any) -> Results:
-    """A run in which some cases went otherwise: naive_0=..., safe_40=..."""
-    plan = {
-        (strategy, cars): changes.get(f"{strategy}_{cars}", levels)
-        for (strategy, cars), levels in GOOD.items()
-    }
-    return read_results(write_run(folder, plan), 3)
-
-
-def report(results: Results) -> str:
-    return render_report(results, progress="p.png", pictures={"Training tracks": "t.png"})
-
-
-def section(text: str, title: str) -> str:
-    return text.split(f"## {title}\n")[1].split("\n## ")[0]
-
-
-def test_the_tables_hold_the_numbers_of_their_inputs(tmp_path: Path) -> None:
-    results = run(tmp_path)
-    rows = section(report(results), "Driving on the test tracks").splitlines()
-    for step in results.iterations:
-        row = next(line for line in rows if line.startswith(f"| {step.number} |"))
-        for strategy in STRATEGIES:
-            cells = [step.driving[strategy][where] for where in CONDITIONS]
-            assert " / ".join(laps(cell.laps) for cell in cells) in row
-            assert " / ".join(amount(cell.damage_per_lap) for cell in cells) in row
-            assert " / ".join(amount(cell.steering_mse) for cell in cells) in row
-        takeovers = [step.driving[Strategy.SAFE][where].takeover for where in CONDITIONS]
-        assert row.endswith(f"| {' / '.join(map(share, takeovers))} |")
-
-
-def test_the_ledger_is_cumulated_without_the_demonstrations(tmp_path: Path) -> None:
-    ledger = section(report(run(tmp_path)), "What it cost")
-    assert "| D_0 | 3,600 | 3,600 | 100.0 % | 3,600 | 3,600 | - | - | - |" in ledger
-    assert "| D_safe | 1,201 | 1,201 | 100.0 % | - | - | - | - | - |" in ledger
-    assert "| 1 | 3,610 | 1,100 | 30.5 % | 1,100 | 4,700 | 3,610 | 1,100 | 30.5 % |" in ledger
-    assert "| 3 | 3,630 | 500 | 13.8 % | 500 | 6,000 | 10,860 | 2,400 | 22.1 % |" in ledger
-
-
-def test_the_safety_policy_on_held_out_frames_and_in_the_next_rollout(tmp_path: Path) -> None:
-    rows = section(report(run(tmp_path)), "The safety policy").splitlines()
-    assert any(row.startswith("| 0 | 0.0025 | 0.90 / 0.78 | 60.0 % / 48.0 % |") for row in rows)
-    assert any(row.startswith("| 3 | 0.0025 | 0.90 / - | 60.0 % / - |") for row in rows)
-
-
-def test_the_first_screen(tmp_path: Path) -> None:
-    title, headline, picture, cost, *_ = report(run(tmp_path)).split("\n\n")
-    assert title.startswith("# ")
-    assert "1.63 of 3 laps without traffic and 0.73 with traffic after supervised" in headline
-    assert "after iteration 3 it completed 3.00 and 2.93" in headline
-    assert "asked 2,400 times, in 22.1 % of the frames" in headline
-    assert "All 4 [expectations](#expectations) hold." in headline
-    assert picture.endswith("(p.png)")
-    for number in ("2,400 queries", "10,860 frames", "3,600 for D_0", "1,201 for D_safe"):
-        assert number in cost
-    assert "8,460 frames of rollouts" in cost
-
-
-def test_the_words_follow_the_data(tmp_path: Path) -> None:
-    text = report(read_results(write_run(tmp_path, PERFECT), 3))
-    assert "after iteration 3 it completed all of them in both conditions" in text
-    assert "Of 4 [expectations](#expectations), 4 failed." in text
-    assert section(text, "Where the result falls short").startswith("\nNowhere: after iteration 3")
-
-
-def test_shortfalls_are_listed_by_track_with_their_cause(tmp_path: Path) -> None:
-    text = section(report(run(tmp_path)), "Where the result falls short")
-    assert "3 of 12 cases" in text
-    assert "| naive, with traffic, yew | 2.80 | 0.536 | 2 of 2 | 0 of 2 |" in text
-    assert "| naive, with traffic, spruce | 3.00 | 0.5 | 0 of 2 | 0 of 2 |" in text
-    assert "safe" not in text.split("\n\n")[1]
-    assert "2 drives ended by leaving the road, 0 stood still" in text
-    assert "recognised 44.0 % of the truly unsafe frames, against 60.0 %" in text
-
-
-def test_a_run_can_meet_every_expectation(tmp_path: Path) -> None:
-    assert all(check.holds for check in check_expectations(run(tmp_path)))
-
-
-@pytest.mark.parametrize(
-    ("number", "changes", "evidence"),
-    [
-        # pi_0 is perfect, so that nothing can be better than it either
-        (
-            0,
-            {"naive_0": ((3.0, 0, 0),) * 4, f"naive_{CARS}": ((3.0, 0, 0),) * 4},
-            "0 of 6 cases",
-        ),
-        (
-            1,
-            {f"safe_{CARS}": ((0.2, 3, 0.4), *GOOD["safe", CARS][1:])},
-            "drives 0.43 laps (naive: 0.73)",
-        ),
-        # further, but never on the road to the end: not less often off it
-        (
-            1,
-            {"safe_0": ((2.0, 0, 0.2), *GOOD["safe", 0][1:])},
-            "leaves in 100.0 % of the drives (naive: 100.0 %)",
-        ),
-        (
-            2,
-            {"naive_0": (*GOOD["naive", 0][:3], (1.0, 0, 0))},
-            "without traffic 1.63 laps before, 1.23 after",
-        ),
-        (
-            3,
-            {"safe_0": (*GOOD["safe", 0][:3], (3.0, 0, 0.2))},
-            "without traffic 20.0 % before, 20.0 % after",
-        ),
-    ],
+from tests.evaluation.made_up import (
+    FRAMES,
+    FULL,
+    GOOD,
+    GROWING,
+    SLOW,
+    changed,
+    ending,
+    experiment,
+    scattered,
+    with_optimal,
 )
-def test_each_expectation_can_fail(
-    tmp_path: Path, number: int, changes: dict[str, Any], evidence: str
-) -> None:
-    results = run(tmp_path, **changes)
-    check = check_expectations(results)[number]
-    assert not check.holds
-    assert evidence in check.evidence
-    assert f"| {check.claim} | **does not hold** | {check.evidence} |" in report(results)
+from tests.evaluation.rendered import ERRORS, report, rows, section
+
+ALONE = {"safedagger": GROWING}
 
 
-def test_just_short_of_three_laps_does_not_read_as_three() -> None:
-    assert laps(2.999) == "2.99"
-    assert laps(3.0) == "3.00"
-    assert laps(0.29) == "0.29"
+def block(text: str, beginning: str) -> str:
+    (found,) = (part for part in text.split("\n\n") if part.startswith(beginning))
+    return found
 
 
-def arguments(folder: Path) -> list[str]:
-    """Of the stage, on a run in `folder`."""
-    write_run(folder / "metrics")
-    pictures = [folder / "errors.png", folder / "frames.png"]
-    for picture in pictures:
-        picture.write_bytes(b"drawn")
-    options = {
-        "--metrics": folder / "metrics",
-        "--iterations": 3,
-        "--errors": pictures[0],
-        "--frames": pictures[1],
-        "--output": folder / "cards" / "report.md",
-        "--figures": folder / "cards" / "figures",
+def test_the_first_screen_compares_laps_and_queries() -> None:
+    title, headline, picture, cost, basis, *_ = report(experiment(GOOD)).split("\n\n")
+    assert title.startswith("# ")
+    assert headline.splitlines() == [
+        "- After supervised training alone, the primary, driven naively, completes 2.00 [2.00, "
+        "2.00] of 3 laps without traffic and 1.50 [1.50, 1.50] with traffic.",
+        "- After iteration 3 of SafeDAgger, at 7,000 queries, it completes 3.00 [3.00, 3.00] and "
+        "3.00 [3.00, 3.00]. With the safe strategy it completes 3.00 [3.00, 3.00] and 3.00 [3.00, "
+        "3.00], the reference driving 2.0 % [2.0 %, 2.0 %] and 5.0 % [5.0 %, 5.0 %] of the time; "
+        "before the loop it was 8.0 % [8.0 %, 8.0 %] and 20.0 % [20.0 %, 20.0 %].",
+        "- After iteration 3 of DAgger, at 35,000 queries, it completes 2.40 [2.40, 2.40] and 2.10 "
+        "[2.10, 2.10]. SafeDAgger asked 5.0 times fewer queries.",
+        "- After iteration 3 of DAgger, SafeDAgger's queries, at 9,000 queries, it completes 2.40 "
+        "[2.40, 2.40] and 2.10 [2.10, 2.10]. SafeDAgger asked 1.3 times fewer queries.",
+        "- After iteration 3 of supervised, at 35,000 queries, it completes 2.40 [2.40, 2.40] and "
+        "2.10 [2.10, 2.10]. SafeDAgger asked 5.0 times fewer queries.",
+    ]
+    assert picture.endswith("(figures/result.png)")
+    assert cost.startswith("**Cost.**")
+    assert basis.startswith("**Basis.**")
+
+
+def test_the_first_screen_follows_the_data() -> None:
+    dear = [replace(level, queries=14_000) for level in GROWING]
+    made_up = experiment(
+        {
+            "safedagger": ending(dear, laps=(1.0, 0.5)),
+            "dagger": SLOW[:2],
+            "supervised": ending(dear, laps=(2.0, 0.5)),
+        },
+        seeds=2,
+    )
+    partly = {key: step for key, step in made_up.steps.items() if key[:2] != (0, "dagger")}
+    headline = report(Experiment(partly)).split("\n\n")[1]
+    assert "of SafeDAgger, at 42,000 queries, it completes 1.00 [1.00, 1.00] and 0.50" in headline
+    assert "After iteration 1 of DAgger on seed 1, at 15,000 queries, it completes" in headline
+    assert "SafeDAgger asked 2.8 times more queries." in headline
+    assert "SafeDAgger asked as many queries." in headline
+    others = report(experiment({"safedagger_max": GROWING})).split("\n\n")[1]
+    assert others == "There are no results of any training strategy."
+
+
+def test_runs_that_share_no_seed_have_no_factor() -> None:
+    made_up = experiment({**ALONE, "dagger": SLOW}, seeds=2)
+    apart = {key: made_up.steps[key] for key in made_up.steps if key[0] == (key[1] == "dagger")}
+    headline = report(Experiment(apart)).split("\n\n")[1]
+    assert "of SafeDAgger on seed 0" in headline and "of DAgger on seed 1" in headline
+    assert "times" not in headline
+
+
+def test_what_was_asked_only_to_measure_stands_apart() -> None:
+    """By seed 0: 500 frames of a rollout without a query, seed 1: 1,500."""
+
+    def driven(step: Step) -> Step:
+        frames = step.ledger.queries + (500 + 1000 * step.seed) * (step.iteration == 1)
+        trained = 2000 + 10 * step.iteration
+        return replace(
+            step, ledger=replace(step.ledger, frames_driven=frames, frames_trained=trained)
+        )
+
+    made_up = changed(experiment(ALONE, seeds=2, starts=1), driven)
+    d_safe = {seed: Ledger(1, 5000 + 200 * seed, 1, 1, 1.0) for seed in (0, 1)}
+    cost = block(report(made_up, d_safe=d_safe), "**Cost.**")
+    assert (
+        "SafeDAgger asked 7,000 queries a seed, on average, in 8,000 frames driven, after 3,000 "
+        "queries for D_0 and 5,100 for D_safe; its last primary was trained on 2,030 frames."
+        in cost
+    )
+    # naive drives, and what the reference did not drive of the safe ones
+    naive = 2 * 4 * 6 * FRAMES
+    safe = 2 * 3 * sum(round(FRAMES * (2 - sum(level.takeover))) for level in GROWING)
+    assert f"asked in 2,000 frames of rollouts and {naive + safe:,} of evaluation" in cost
+
+
+def test_what_it_rests_on() -> None:
+    """Iteration 0 is shared: 22 steps of 36 drives on each seed."""
+    basis = block(report(experiment(GOOD, seeds=2, starts=3)), "**Basis.**")
+    assert "Seeds 0, 1. Test tracks: spruce, willow, yew. Starts on each: 3." in basis
+    assert "Traffic: 40 cars. 1,584 drives in all: naive, in which" in basis
+    assert "Each seed again: `make experiment SEED=0`, `make experiment SEED=1`." in basis
+    assert "one seed" not in basis and "make repro" not in basis
+    alone = block(report(experiment(ALONE)), "**Basis.**")
+    assert alone.startswith("**Basis.** Seed 0. ")
+    assert "With one seed, no interval" in alone
+    assert "Each seed again: `make repro`, with this `seed` in `params.yaml`;" in alone
+    assert "`make experiment SEED=0`" in alone
+
+
+def test_every_verdict_stands_with_its_numbers() -> None:
+    made_up = experiment({**GOOD, "supervised": GROWING})
+    text = section(report(made_up), "Claims of the paper")
+    judged = verdicts(made_up)
+    assert {each.verdict for each in judged} > {"holds"}
+    for each in judged:
+        words = each.verdict if each.verdict == "holds" else f"**{each.verdict}**"
+        assert f"| {each.claim} | {words} | {each.evidence} |" in text
+
+
+def test_sections_come_in_order_and_without_runs_they_are_left_out() -> None:
+    def headings(text: str) -> list[str]:
+        return [line.lstrip("# ") for line in text.splitlines() if line.startswith("##")]
+
+    made_up = experiment(GOOD)
+    tau = {0.01: experiment({"safedagger": GROWING[:1]})}
+    pairs = experiment({"safedagger": GROWING})
+    scratch = replace(pairs.steps[0, "safedagger", 3], run="scratch")
+    pairs = Experiment({**pairs.steps, (0, "scratch", 3): scratch})
+    every = [
+        "Claims of the paper",
+        "Over the iterations",
+        "In numbers",
+        "Driving on the test tracks",
+        "What it cost",
+        "The safety policies",
+        "Other thresholds",
+        "Warm start or from scratch",
+        "Which errors are safe",
+        "Track by track, after the last iteration",
+        "Where SafeDAgger falls short",
+        "Pictures",
+        "What is missing",
+    ]
+    assert headings(report(made_up, thresholds=tau, scratch=pairs)) == every
+    absent = {every[5], every[6], every[7], every[8], every[10]}
+    dagger = headings(report(experiment({"dagger": SLOW}), errors={}))
+    assert dagger == [title for title in every if title not in absent]
+
+
+def test_shortfalls_are_those_of_the_last_iteration_on_every_seed() -> None:
+    made_up = experiment({"safedagger": ending(GROWING, laps=(3.0, 2.0)), "dagger": SLOW}, seeds=2)
+    text = section(report(made_up), "Where SafeDAgger falls short")
+    assert "After iteration 3, 6 of 24 cases" in text
+    assert "| 1 | naive, with traffic, yew | 2.00 | 0 | 4 of 4 | 0 of 4 | 0 of 4 |" in text
+    perfect = section(
+        report(experiment({"safedagger": [*GROWING, FULL]})), "Where SafeDAgger falls short"
+    )
+    assert perfect.strip().startswith("Nowhere. After iteration 4,")
+
+
+def test_figures_are_shown_under_their_titles() -> None:
+    assert "Driving:\n\n![Driving](figures/driving.png)" in report(experiment(GOOD))
+
+
+def test_of_the_pictures_of_seeds_the_first_is_shown_and_the_others_linked() -> None:
+    text = section(report(experiment(ALONE, seeds=3)), "Pictures")
+    assert (
+        f"{ERRORS}, seed 0 (also [seed 1](errors/seed_1.png), [seed 2](errors/seed_2.png)):\n\n"
+        f"![{ERRORS}, seed 0](errors/seed_0.png)" in text
+    )
+    assert "![Training tracks](figures/training.png)" in text
+    alone = section(report(experiment(ALONE)), "Pictures")
+    assert f"{ERRORS}, seed 0:\n" in alone
+    partly = report(experiment(ALONE, seeds=2), by_seed={ERRORS: {1: "one.png"}, "Frames": {}})
+    assert f"![{ERRORS}, seed 1](one.png)" in section(partly, "Pictures")
+    missing = section(partly, "What is missing")
+    assert f"- {ERRORS}, seed 0: no picture." in missing
+    assert "- Frames, seed 0: no picture.\n- Frames, seed 1: no picture." in missing
+
+
+def test_nothing_is_missing_of_a_whole_experiment() -> None:
+    """The variants are not driven with the optimal safety policy."""
+    whole = changed(
+        experiment(GOOD, seeds=2),
+        lambda step: step if step.run.startswith("safedagger_") else with_optimal(step),
+    )
+    beside = {
+        "thresholds": {0.01: whole},
+        "scratch": Experiment({(0, "scratch", 3): whole.steps[0, "dagger", 3]}),
     }
-    return [str(word) for pair in options.items() for word in pair]
+    assert section(report(whole, **beside), "What is missing").strip() == "Nothing."
 
 
-def test_the_stage_writes_all_or_refuses(tmp_path: Path) -> None:
-    given, output = arguments(tmp_path), tmp_path / "cards" / "report.md"
-    result = CliRunner().invoke(app, given)
-    assert result.exit_code == 0, result.output
-    assert result.stdout.splitlines()[-1].startswith(f"{output}: ")
-    names = {file.name for file in (tmp_path / "cards" / "figures").iterdir()}
-    assert names == {"progress.png", "training.png", "test.png"}
-    shown = [*(f"figures/{name}" for name in names), "../errors.png", "../frames.png"]
-    assert all(f"]({place})" in output.read_text() for place in shown)
+def test_what_is_missing_is_named() -> None:
+    table = {run: levels for run, levels in GOOD.items() if run not in ("supervised", "dagger")}
+    steps = dict(changed(experiment(table, seeds=2), with_optimal).steps)
+    del steps[1, "safedagger", 2], steps[1, "safedagger", 3]
+    for i in range(4):
+        del steps[1, "safedagger_last", i]
+        for seed in range(2):
+            step = steps[seed, "dagger_budget", i]
+            drives = [d for d in step.drives if d.strategy != Strategy.OPTIMAL]
+            steps[seed, "dagger_budget", i] = replace(step, drives=drives)
+    cut = steps[0, "safedagger_max", 1]
+    kept = [d for d in cut.drives if d.strategy != "safe" or d.traffic == 0 or d.track != "yew"]
+    steps[0, "safedagger_max", 1] = replace(cut, drives=kept)
+    found = section(report(Experiment(steps), errors={}), "What is missing").strip().splitlines()
+    assert found == [
+        "- supervised: no results, hence no verdict on 1 claim.",
+        "- DAgger: no results, hence no verdict on 4 claims.",
+        "- SafeDAgger, seed 1: no iteration 2, 3.",
+        "- SafeDAgger, 1 s ahead (last), seed 1: no results.",
+        "- SafeDAgger, 1 s ahead (max), seed 0, iteration 1: 8 of 12 drives of safe, with traffic.",
+        "- DAgger, SafeDAgger's queries: no drives with the optimal safety policy.",
+        "- Other thresholds: no drives with safety policies of other tau.",
+        "- Warm start or from scratch: no primary trained from scratch.",
+        "- Seed 0: no errors.json, which says which errors are safe.",
+        "- Seed 1: no errors.json, which says which errors are safe.",
+    ]
 
-    again = CliRunner().invoke(app, given)
-    assert isinstance(again.exception, FileExistsError)
-    assert str(again.exception) == f"{output}: exists already, expected a new path"
+
+def test_a_condition_that_nobody_met_is_missing() -> None:
+    quiet = changed(
+        experiment({"dagger": SLOW[:1]}),
+        lambda step: replace(step, drives=[d for d in step.drives if condition(d) == "no_traffic"]),
+    )
+    text = report(quiet)
+    assert "Traffic: no cars." in text
+    assert "- DAgger, seed 0, iteration 0: 0 of 12 drives of naive, with traffic." in text
+    assert (
+        rows(section(text, "In numbers"), "Laps, naive")["DAgger", "0"][0]
+        == "2.00 [2.00, 2.00] / -"
+    )
 
 
-@pytest.mark.parametrize("missing", ["metrics/rollout_safedagger_3.json", "frames.png"])
-def test_the_stage_writes_nothing_where_something_is_missing(tmp_path: Path, missing: str) -> None:
-    given = arguments(tmp_path)
-    (tmp_path / missing).unlink()
-    result = CliRunner().invoke(app, given)
-    assert isinstance(result.exception, FileNotFoundError)
-    assert missing in str(result.exception)
-    assert not (tmp_path / "cards").exists()
+def test_equal_experiments_give_equal_bytes() -> None:
+    """In whatever order they were read; here with a drive missing in each step."""
+    made_up = changed(
+        experiment({"dagger": scattered(SLOW), "safedagger": scattered(GROWING)}, seeds=2),
+        lambda step: replace(step, drives=step.drives[1:]),
+    )
+    backwards = Experiment(dict(reversed(made_up.steps.items())))
+    assert report(made_up) == report(made_up) == report(backwards)
+    assert report(made_up).count(" drives of naive, without traffic.") == 16
+
+
+def test_every_run_has_its_name() -> None:
+    text = report(experiment(GOOD))
+    assert all(f"| {name} |" in text for name in RUNS.values())

@@ -1,6 +1,5 @@
 """Each claim can hold, not hold and be undecided, on made-up data of which the answer is known."""
 
-from collections.abc import Callable
 from dataclasses import replace
 
 import pytest
@@ -8,7 +7,7 @@ import pytest
 from pipeline.evaluation import verdicts as claims
 from pipeline.evaluation.experiment import Experiment
 from pipeline.evaluation.rules import ITERATIONS
-from pipeline.evaluation.verdicts import Verdict, verdicts
+from pipeline.evaluation.verdicts import Claim, verdicts
 from tests.evaluation.made_up import (
     FIRST,
     GOOD,
@@ -21,18 +20,44 @@ from tests.evaluation.made_up import (
     scattered,
 )
 
-type Claim = Callable[[Experiment], Verdict]
-
 
 def test_every_claim_can_hold() -> None:
     judged = verdicts(experiment(GOOD))
     assert {(each.claim, each.verdict) for each in judged} == {
         (each.claim, "holds") for each in judged
     }
-    assert len({each.claim for each in judged}) == len(judged) == 11
+    assert len({each.claim for each in judged}) == len(judged) == 13
 
 
+def test_only_claims_whose_runs_there_are_have_a_verdict() -> None:
+    alone = verdicts(experiment({"safedagger": GROWING}))
+    assert [each.claim for each in alone] == [
+        claim.words
+        for claim in (
+            claims.supervised_fails,
+            claims.safe_drives_as_far,
+            claims.shows_the_trend,
+            claims.takeover_is_larger_in_traffic,
+        )
+    ]
+    assert {each.verdict for each in alone} == {"holds"}
+    added = verdicts(experiment({"safedagger": GROWING, "safedagger_max": GROWING}))
+    assert claims.max_shows_the_trend.words in [each.claim for each in added]
+    assert len(added) == len(alone) + 1
+
+
+PERFECT = Level(laps=(3.0, 3.0))
 DOES_NOT_HOLD: list[tuple[Claim, Table, str]] = [
+    (
+        claims.supervised_fails,
+        {run: [PERFECT, *levels[1:]] for run, levels in GOOD.items()},
+        "seed 0: in 0 of 6 cases of track and traffic; worst is spruce without traffic, 3.00 of 3",
+    ),
+    (
+        claims.shows_the_trend,
+        {"safedagger": ending(GROWING, laps=(2.0, 3.0))},
+        "without traffic, laps of naive, iteration 3 against 0: 2.00 against 2.00 (+0.00 [+0.00",
+    ),
     (
         claims.safe_drives_as_far,
         {"safedagger_max": ending(GROWING, safe_laps=(3.0, 1.0))},
@@ -105,6 +130,11 @@ DOES_NOT_HOLD: list[tuple[Claim, Table, str]] = [
 
 UNDECIDED: list[tuple[Claim, Table, str]] = [
     (
+        claims.shows_the_trend,
+        {"safedagger": ending(GROWING, takeover=(0.08, 0.2), scatter=0.5)},
+        "with traffic, takeover of safe, iteration 3 against 0: 20.0 % against 20.0 % (+0.0 [-",
+    ),
+    (
         claims.safe_drives_as_far,
         {"dagger": scattered([replace(FIRST, safe_laps=(2.0, 3.0))])},
         "DAgger, iteration 0, without traffic: 2.00 against 2.00 (+0.00 [-",
@@ -150,7 +180,7 @@ UNDECIDED: list[tuple[Claim, Table, str]] = [
     ("claim", "changes", "evidence", "expected"),
     [(*case, "does not hold") for case in DOES_NOT_HOLD]
     + [(*case, "undecided") for case in UNDECIDED],
-    ids=lambda value: getattr(value, "__name__", ""),
+    ids=lambda value: value.find.__name__ if isinstance(value, Claim) else "",
 )
 def test_every_claim_can_fail_or_stay_open(
     claim: Claim, changes: Table, evidence: str, expected: str
@@ -158,6 +188,29 @@ def test_every_claim_can_fail_or_stay_open(
     judged = claim(experiment({**GOOD, **changes}))
     assert evidence in judged.evidence
     assert judged.verdict == expected
+
+
+def test_the_yardstick_is_met_on_every_seed_by_its_worst_case() -> None:
+    first = experiment({"safedagger": GROWING, "dagger": SLOW}, seeds=2)
+    steps = dict(first.steps)
+    for run in ("safedagger", "dagger"):
+        step = steps[1, run, 0]
+        drives = [replace(d, laps=0.29) if d == step.drives[5] else d for d in step.drives]
+        steps[1, run, 0] = replace(step, drives=drives)
+    judged = claims.supervised_fails(Experiment(steps))
+    assert judged.verdict == "holds"
+    assert judged.evidence == (
+        "seed 0: in 6 of 6 cases of track and traffic; worst is spruce with traffic, 1.50 of 3 "
+        "laps; seed 1: in 6 of 6 cases of track and traffic; worst is willow without traffic, 0.29 "
+        "of 3 laps"
+    )
+    perfect = experiment({"safedagger": [PERFECT]}, seeds=2)
+    mixed = {**steps, **{key: perfect.steps[key] for key in perfect.steps if key[0] == 0}}
+    del mixed[0, "dagger", 0]
+    assert claims.supervised_fails(Experiment(mixed)).verdict == "undecided"
+    only_safe = [d for d in steps[0, "dagger", 0].drives if d.strategy == "safe"]
+    unmeasured = Experiment({(0, "dagger", 0): replace(steps[0, "dagger", 0], drives=only_safe)})
+    assert claims.supervised_fails(unmeasured).evidence == "seed 0: not measured"
 
 
 def test_seeds_that_disagree_leave_it_open() -> None:
@@ -173,6 +226,7 @@ def test_seeds_that_disagree_leave_it_open() -> None:
 @pytest.mark.parametrize(
     ("claim", "runs"),
     [
+        (claims.shows_the_trend, "SafeDAgger"),
         (claims.reaches_three_laps_first, "SafeDAgger and DAgger"),
         (claims.error_falls_faster, "SafeDAgger and DAgger"),
         (claims.takeover_falls_faster, "SafeDAgger and DAgger"),
@@ -215,8 +269,9 @@ def test_three_drives_prove_nothing() -> None:
     at every single drive needs no pairs.
     """
     few, more = (verdicts(experiment(GOOD, seeds=seeds, starts=1)) for seeds in (1, 2))
-    by_drive = claims.reaches_three_laps_first(experiment(GOOD, starts=1))
-    assert [judged for judged in few if judged.verdict != "undecided"] == [by_drive]
-    assert "3 pairs: too few" in few[0].evidence
+    alone = experiment(GOOD, starts=1)
+    by_drive = [claims.supervised_fails(alone), claims.reaches_three_laps_first(alone)]
+    assert [judged for judged in few if judged.verdict != "undecided"] == by_drive
+    assert "3 pairs: too few" in few[1].evidence
     assert few[-1].evidence == "fewer than 6 starts that both were given"
     assert {judged.verdict for judged in more} == {"holds"}

@@ -24,8 +24,8 @@ STAGES = [
     "film",
     "cards",
     "report",
-    "compare",
     "inspect",
+    "compare",
     "watch",
 ]
 HEAVY = {"torch", "lerobot", "pybullet", "numpy", "matplotlib", "datasets"}
@@ -131,6 +131,19 @@ def test_an_output_that_exists_is_left_alone(
             *("--datasets", "missing", "--models", "missing", "--metrics", "missing"),
             *("--tau", "0.0025", "--record-every", "3"),
             *("--dataset-cards", "out", "--model-cards", "out_too"),
+        ),
+        (
+            "report",
+            "--metrics",
+            "missing",
+            "--errors",
+            "missing",
+            "--frames",
+            "missing",
+            "--output",
+            "out",
+            "--figures",
+            "figures",
         ),
         (
             "rollout",

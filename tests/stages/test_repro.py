@@ -56,7 +56,6 @@ TINY = {
         step: {"driven": f"{'new' if step == 'supervised_1' else 'rollout'}_{step}"}
         for step in STEPS
     },
-    "report": {"iterations": 2},
     "contact-sheet": {"frames": 2},
     "film": {"traffic": 2, "seconds": 2},
     "drive": {"traffic": 3},
@@ -153,8 +152,10 @@ def test_a_primary_can_be_trained_from_scratch_on_the_same_data(house: Path) -> 
 
 def test_the_report_stands_on_the_metrics(house: Path) -> None:
     report = (house / "cards" / "report.md").read_text()
-    assert "D_safe" in report
-    assert metric(house, "driving_safedagger_2")["naive"]["traffic"]["laps"] >= 0
+    for run in ("SafeDAgger", "DAgger", "supervised"):
+        assert f"| {run} | 1 |" in report
+    assert "On D_2, " in report
+    assert "DAgger, seed 0: no iteration 2, 3." in report
 
 
 def test_every_dataset_and_policy_has_a_card_that_says_what_made_it(house: Path) -> None:
@@ -168,10 +169,18 @@ def test_every_dataset_and_policy_has_a_card_that_says_what_made_it(house: Path)
 
 
 def test_pictures_are_drawn(house: Path) -> None:
-    for picture in ("errors/seed_0", "frames/seed_0", "figures/progress"):
+    for picture in ("errors/seed_0", "frames/seed_0", "figures/result"):
         assert (house / "cards" / f"{picture}.png").read_bytes().startswith(b"\x89PNG")
     assert (house / "cards" / "film.gif").read_bytes().startswith(b"GIF89a")
-    assert metric(house, "errors")["held_out"]["frames"] == 40
+
+
+def test_tau_can_be_chosen_by_share(house: Path) -> None:
+    errors = metric(house, "errors")
+    assert errors["held_out"]["frames"] == 40
+    assert errors["share"] == 0.777
+    assert (errors["held_out"]["tau_for_share"] <= errors["tau"]) == (
+        errors["held_out"]["share_safe"] >= errors["share"]
+    )
 
 
 def test_a_second_repro_does_nothing(house: Path) -> None:

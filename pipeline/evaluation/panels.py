@@ -1,8 +1,7 @@
-"""The comparison in figures: what an experiment has, with 95 % intervals; None where it has nothing."""
+"""Panels of a figure: a metric of several runs, with 95 % intervals; gaps where there are none."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from itertools import product
 from typing import Any
 
 import numpy as np
@@ -14,13 +13,10 @@ from matplotlib.transforms import offset_copy
 
 from pipeline.evaluation.comparison import Cell, estimate
 from pipeline.evaluation.experiment import RUNS, Experiment, Step
-from pipeline.evaluation.figures import DASHES, LABELS
 from pipeline.evaluation.summary import CONDITIONS, LAPS
 from pipeline.inspection.canvas import new_figure, styled
 from pipeline.policies.strategies import Strategy
 
-TRAINING = ("safedagger", "dagger", "dagger_budget", "supervised")
-VARIANTS = ("safedagger", "safedagger_last", "safedagger_max", "safedagger_rising")
 # colours that the colour-blind can tell, of different brightness within a panel, and markers
 LOOKS = {
     "supervised": ("black", "D"),
@@ -33,6 +29,8 @@ LOOKS = {
     Strategy.SAFE: ("#0b4f8a", "s"),
     Strategy.OPTIMAL: ("#e69f00", "D"),
 }
+DASHES = {"no_traffic": "-", "traffic": (0, (4, 2))}
+LABELS = {"no_traffic": "no traffic", "traffic": "traffic"}
 NAMES = RUNS | {Strategy.SAFE: "safe", Strategy.OPTIMAL: "optimal"}  # in the legend
 TITLES = {
     "laps": ("Laps", "laps"),
@@ -41,11 +39,10 @@ TITLES = {
     "takeover": ("Takeover", "share of frames"),
 }
 """Of a metric: its title, and that of its axis."""
+ASKED = "queries so far, log scale"
 PLACES: dict[str, Callable[[Experiment, Step], float]] = {
     "iteration": lambda _, step: step.iteration,
-    "queries so far, log scale": lambda experiment, step: experiment.queries(
-        step.seed, step.run, step.iteration
-    ),
+    ASKED: lambda experiment, step: experiment.queries(step.seed, step.run, step.iteration),
     "frames trained on": lambda _, step: step.ledger.frames_trained,
 }
 """Where on x a step is; over several seeds, the mean."""
@@ -78,53 +75,9 @@ class Panel:
     place: str = "iteration"
 
 
-def driving(experiment: Experiment, runs: Sequence[str]) -> Figure | None:
-    """As the paper's Fig. 3; a row for each driving strategy and condition."""
-    panels = [
-        Panel(f"{strategy}, {LABELS[where]}", metric, _lines(runs, strategy, where))
-        for strategy, where in product((Strategy.NAIVE, Strategy.SAFE), CONDITIONS)
-        for metric in ("laps", "damage_per_lap", "steering_mse")
-    ]
-    return _figure(experiment, panels, columns=3)
-
-
-def takeover(experiment: Experiment, runs: Sequence[str]) -> Figure | None:
-    """As the paper's Fig. 4: the share of the time that the reference drives."""
-    panels = [
-        Panel(f"safe, {LABELS[where]}", "takeover", _lines(runs, Strategy.SAFE, where))
-        for where in CONDITIONS
-    ]
-    return _figure(experiment, panels, columns=2)
-
-
-def cost(experiment: Experiment, runs: Sequence[str]) -> Figure | None:
-    """What the queries, and the frames trained on, have bought."""
-    panels = [
-        Panel(f"naive, {LABELS[where]}", "laps", _lines(runs, Strategy.NAIVE, where), place)
-        for place, where in product(("queries so far, log scale", "frames trained on"), CONDITIONS)
-    ]
-    return _figure(experiment, panels, columns=2)
-
-
-def optimal(experiment: Experiment) -> Figure | None:
-    """The learned safety policies beside the optimal one; a row for each run that has it."""
-    compared = list(product((Strategy.SAFE, Strategy.OPTIMAL), CONDITIONS))
-    panels = [
-        Panel(RUNS[run], metric, [Line(run, *case, key=case[0]) for case in compared])
-        for run in experiment.runs
-        if any(_is_driven(experiment, Line(run, *case, key=run)) for case in compared[2:])
-        for metric in ("takeover", "laps")
-    ]
-    return _figure(experiment, panels, columns=2)
-
-
-def _lines(runs: Sequence[str], strategy: Strategy, where: str) -> list[Line]:
-    return [Line(run, strategy, where, key=run) for run in runs]
-
-
-def _figure(experiment: Experiment, panels: Sequence[Panel], columns: int) -> Figure | None:
-    """The panels that have something to show, row by row."""
-    drawn = [[line for line in panel.lines if _is_driven(experiment, line)] for panel in panels]
+def draw(experiment: Experiment, panels: Sequence[Panel], columns: int) -> Figure | None:
+    """The panels that have something to show, row by row; None where none has."""
+    drawn = [[line for line in panel.lines if is_driven(experiment, line)] for panel in panels]
     shown = [(panel, lines) for panel, lines in zip(panels, drawn, strict=True) if lines]
     if not shown:
         return None
@@ -141,7 +94,8 @@ def _figure(experiment: Experiment, panels: Sequence[Panel], columns: int) -> Fi
     return figure
 
 
-def _is_driven(experiment: Experiment, line: Line) -> bool:
+def is_driven(experiment: Experiment, line: Line) -> bool:
+    """Whether there is anything to show of it."""
     return any(estimate(experiment, "laps", cell) for cell in line.cells(experiment))
 
 
@@ -169,11 +123,10 @@ def _frame(axes: Axes, panel: Panel) -> None:
     places = sorted({float(x) for line in axes.get_lines() for x in np.asarray(line.get_xdata())})
     if panel.place == "iteration":
         axes.set_xticks(places)
-    elif "log scale" in panel.place:  # beyond the first queries: iteration 0 has none
+    elif panel.place == ASKED:  # beyond the first queries: iteration 0 has none
         first = next((x for x in places if x > 0), 1.0)
         axes.set_xscale("symlog", linthresh=first, linscale=0.3)
-        round_numbers = [digit * 10**power for power in range(9) for digit in (1, 2, 5)]
-        axes.set_xticks([0, first, *(x for x in round_numbers if 1.5 * first < x < places[-1])])
+        axes.set_xticks([0, *_apart(first, places[-1])])
         axes.minorticks_off()
     axes.xaxis.set_major_formatter("{x:,.0f}")
     if panel.metric == "takeover":
@@ -182,6 +135,16 @@ def _frame(axes: Axes, panel: Panel) -> None:
         axes.axhline(LAPS, color="0.6", linewidth=0.8)
     top = LAPS if panel.metric == "laps" else axes.dataLim.y1
     axes.set_ylim(0, 1.08 * top if top > 0 else 1.0)  # nothing but gaps: minus infinity
+
+
+def _apart(first: float, last: float) -> list[float]:
+    """Round numbers between two on a log scale, and these two, as far as their labels have room."""
+    factor = max(1.5, (last / first) ** 0.3)
+    ticks = [first]
+    for x in (digit * 10**power for power in range(9) for digit in (1, 2, 5)):
+        if factor * ticks[-1] <= x <= last / factor:
+            ticks.append(x)
+    return [*ticks, last] if factor * ticks[-1] <= last else ticks
 
 
 def _look(colour: str, marker: str, where: str) -> dict[str, Any]:
