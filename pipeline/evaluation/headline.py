@@ -112,6 +112,7 @@ def basis(material: Material) -> str:
         "which the reference drives where the safety policy says unsafe; and optimal, where there "
         "are such, in which it drives where the primary truly deviates. In brackets are 95 % "
         "intervals, by bootstrap over seeds and starts. "
+        "A number without brackets has an interval that is no wider than its last digit. "
         f"{'With one seed, no interval says how far another would be off. ' if alone else ''}"
         f"{_commands(experiment)} What is not there yet is under "
         "[What is missing](#what-is-missing)."

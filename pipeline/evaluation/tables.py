@@ -7,7 +7,7 @@ from pipeline.data.ledger import Ledger, cumulative
 from pipeline.evaluation.comparison import Cell, estimate
 from pipeline.evaluation.experiment import RUNS, Experiment
 from pipeline.evaluation.summary import CONDITIONS
-from pipeline.evaluation.wording import amount, count, interval, laps, share, table
+from pipeline.evaluation.wording import amount, brief_interval, count, laps, share, table
 from pipeline.policies.strategies import DRIVING, Strategy
 
 NAIVE, SAFE, OPTIMAL = DRIVING
@@ -81,7 +81,7 @@ def estimates(
     """Without and with traffic, each with its interval."""
     form = METRICS[metric][1]
     cells = [Cell(run, (iteration,), strategy, (where,)) for where in CONDITIONS]
-    return [interval(estimate(experiment, metric, cell), form) for cell in cells]
+    return [brief_interval(estimate(experiment, metric, cell), form) for cell in cells]
 
 
 def spent(experiment: Experiment, run: str, iteration: int) -> tuple[float, float, float, float]:

@@ -44,6 +44,13 @@ def interval(found: Estimate | None, form: Callable[[float], str]) -> str:
     return f"{form(found.value)} [{form(found.low)}, {form(found.high)}]"
 
 
+def brief_interval(found: Estimate | None, form: Callable[[float], str]) -> str:
+    """The same, and the value alone where both ends read as it does: most cells of a table."""
+    if found is not None and form(found.low) == form(found.value) == form(found.high):
+        return form(found.value)
+    return interval(found, form)
+
+
 def table(header: list[str], rows: list[list[str]], words: int = 1) -> str:
     """A markdown table whose first `words` columns are text, and the others numbers."""
     rule = ["---"] * words + ["---:"] * (len(header) - words)
