@@ -13,6 +13,7 @@ from pipeline.evaluation.wording import CONDITION_WORDS
 from pipeline.policies.strategies import Strategy
 
 WORDS = {True: "holds", False: "does not hold", None: "undecided"}
+SHOWN = 3  # of the cells that a claim about every cell does not hold in, or may not
 
 
 @dataclass(frozen=True)
@@ -106,9 +107,11 @@ def safe_drives_as_far(experiment: Experiment) -> Finding:
         for run in experiment.runs
         for iteration, where in product(experiment.iterations(run), CONDITIONS)
     ]
-    others = [cell.evidence for cell in cells if not cell.holds]
+    others = sorted((cell for cell in cells if not cell.holds), key=lambda cell: cell.holds is None)
+    shown = [cell.evidence for cell in others[:SHOWN]]
+    rest = [f"and {len(others) - SHOWN} more"] if len(others) > SHOWN else []
     surely = f"surely in {len(cells) - len(others)} of {len(cells)} cells"
-    return Finding(all_of(cells).holds, "; ".join([surely, *others]))
+    return Finding(all_of(cells).holds, "; ".join([surely, *shown, *rest]))
 
 
 @_claim(

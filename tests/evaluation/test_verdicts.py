@@ -46,6 +46,17 @@ def test_only_claims_whose_runs_there_are_have_a_verdict() -> None:
     assert len(added) == len(alone) + 1
 
 
+def test_of_many_cells_the_worst_are_named_first() -> None:
+    """Three pairs decide nothing; a run that drives worse when safe is among what decides."""
+    few = experiment({"safedagger": GROWING}, starts=1)
+    evidence = claims.safe_drives_as_far(few).evidence
+    assert evidence.startswith("surely in 0 of 8 cells; SafeDAgger, iteration 0, without traffic")
+    assert evidence.endswith("; and 5 more")
+    worse = [replace(level, safe_laps=(3.0, 0.5)) for level in scattered(GROWING)]
+    evidence = claims.safe_drives_as_far(experiment({"safedagger": worse})).evidence
+    assert "0.50 against" in evidence.split("; ")[1]
+
+
 PERFECT = Level(laps=(3.0, 3.0))
 DOES_NOT_HOLD: list[tuple[Claim, Table, str]] = [
     (
