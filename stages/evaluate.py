@@ -38,25 +38,16 @@ def evaluate(
     from pipeline.evaluation.summary import summarise
     from pipeline.evaluation.writing import write_metrics
     from pipeline.output import refuse_existing
-    from pipeline.policies.inference import SAFETY_TYPE, Driver, read_config
+    from pipeline.policies.inference import Driver, driving_rule
     from pipeline.policies.recording import in_order
-    from pipeline.policies.strategies import Rule, parse_driving
+    from pipeline.policies.strategies import parse_driving
 
     for path in (drives, metrics):
         refuse_existing(path)
     driver = Driver.load(primary, safety)
-    labels = read_config(safety, SAFETY_TYPE)  # by which the safety policy's labels were made
     planned = list(
         plans(
-            [
-                Rule(
-                    parse_driving(name),
-                    cut=cut,
-                    tau=labels["tau"],
-                    include_brake=labels["include_brake"],
-                )
-                for name in options.names(strategies)
-            ],
+            [driving_rule(safety, parse_driving(name), cut) for name in options.names(strategies)],
             options.names(tracks),
             traffic,
             starts,

@@ -28,26 +28,20 @@ def film(
     from pipeline.evaluation.writing import write_file
     from pipeline.inspection.film import gif, shoot
     from pipeline.output import refuse_existing
-    from pipeline.policies.inference import SAFETY_TYPE, Driver, read_config
+    from pipeline.policies.inference import Driver, driving_rule
     from pipeline.policies.recording import SEED_STREAMS, Drive
-    from pipeline.policies.strategies import Rule, parse_driving
+    from pipeline.policies.strategies import parse_driving
 
     refuse_existing(output)
     if output.suffix != ".gif":
         raise ValueError(f"{output}: expected a name that ends in .gif")
     driver = Driver.load(primary, safety)
-    labels = read_config(safety, SAFETY_TYPE)
     plan = Drive(
         track=track,
         traffic=traffic,
         spread=(0.0, 0.0),
         seed=(seed, SEED_STREAMS["film"]),
-        rule=Rule(
-            parse_driving(strategy),
-            cut=cut,
-            tau=labels["tau"],
-            include_brake=labels["include_brake"],
-        ),
+        rule=driving_rule(safety, parse_driving(strategy), cut),
         record_every=record_every,
         seconds=seconds,
         laps=laps,

@@ -45,7 +45,7 @@ def watch(
     from pipeline.inspection.rerun_blueprints import live_blueprint
     from pipeline.inspection.rerun_camera import RAW
     from pipeline.inspection.rerun_log import drive_tracer, new_recording
-    from pipeline.policies.inference import SAFETY_TYPE, Driver, read_config
+    from pipeline.policies.inference import Driver, driving_rule
     from pipeline.policies.recording import Drive
     from pipeline.policies.strategies import Rule, Strategy
     from pipeline.world.tracks import make_track
@@ -53,9 +53,8 @@ def watch(
     driver, rule, tau = None, Rule(Strategy.REFERENCE), float("nan")
     if primary is not None and safety is not None:
         driver = Driver.load(primary, safety)
-        labels = read_config(safety, SAFETY_TYPE)  # by which the safety policy's labels were made
-        tau, brake = labels["tau"], labels["include_brake"]
-        rule = Rule(Strategy(strategy), cut=cut, tau=tau, include_brake=brake)
+        rule = driving_rule(safety, Strategy(strategy), cut)
+        tau = rule.tau
     elif primary is not None or strategy is not Driving.reference:
         raise typer.BadParameter(f"{strategy} needs a primary and its safety policy")
     plan = Drive(

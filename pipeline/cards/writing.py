@@ -10,7 +10,8 @@ from pipeline.cards.lineage import whole
 from pipeline.cards.measured import driving_file, read_measured
 from pipeline.cards.model_card import Training, render_model_card
 from pipeline.cards.policy import PolicyFacts, read_policy
-from pipeline.cards.strip import read_some_images, sample_rows, strip
+from pipeline.cards.strip import sample_rows, strip
+from pipeline.data.reading import read_some_images
 
 
 def write_dataset_cards(folder: Path, catalogue: Catalogue, *, tau: float) -> dict[Path, Facts]:

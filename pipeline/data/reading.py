@@ -8,6 +8,7 @@ cache, and takes 15 s to import. So the columns are read from the parquet files 
 import json
 from collections.abc import Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
+from functools import partial
 from itertools import islice
 from pathlib import Path
 from typing import Any
@@ -80,6 +81,30 @@ def read_images(path: Path) -> np.ndarray:
     images = np.empty((rows, *IMAGE_SHAPE), np.uint8)
     for row, image in enumerate(_decoded_images(path)):
         images[row] = image
+    return images
+
+
+def read_some_images(path: Path, rows: Sequence[int]) -> list[np.ndarray]:
+    """The camera images uint8 [72, 160, 3] (RGB) in `rows`, which rise.
+
+    Only their row groups are read, which are episodes: a rollout's images fill gigabytes.
+
+    Raises:
+        FileNotFoundError, ValueError: as `check_dataset`; or an image that is none of ours.
+    """
+    check_dataset(path)
+    images: list[np.ndarray] = []
+    first = 0
+    for file in _data_files(path):
+        parquet = pq.ParquetFile(file)
+        for group in range(parquet.num_row_groups):
+            length = parquet.metadata.row_group(group).num_rows
+            here = [row - first for row in rows if first <= row < first + length]
+            if here:
+                images_here = parquet.read_row_group(group, columns=[CAMERA]).column(0)
+                png = images_here.combine_chunks().field("bytes").take(here).to_pylist()
+                images += [_decode(file, each) for each in png]
+            first += length
     return images
 
 
@@ -203,13 +228,11 @@ def _decoded_images(path: Path) -> Iterator[np.ndarray]:
             batches = pq.ParquetFile(file).iter_batches(_IMAGES_AT_ONCE, columns=[CAMERA])
             for batch in batches:
                 png = batch.column(0).field("bytes").to_pylist()
-                for image in pool.map(_decode, png):
-                    if image is None or image.shape != IMAGE_SHAPE:
-                        raise ValueError(f"{file}: an image is no PNG of shape {IMAGE_SHAPE}")
-                    yield image
+                yield from pool.map(partial(_decode, file), png)
 
 
-def _decode(png: bytes) -> np.ndarray | None:
-    if not png:
-        return None
-    return cv2.imdecode(np.frombuffer(png, np.uint8), cv2.IMREAD_COLOR_RGB)
+def _decode(file: Path, png: bytes) -> np.ndarray:
+    image = cv2.imdecode(np.frombuffer(png, np.uint8), cv2.IMREAD_COLOR_RGB) if png else None
+    if image is None or image.shape != IMAGE_SHAPE:
+        raise ValueError(f"{file}: an image is no PNG of shape {IMAGE_SHAPE}")
+    return image

@@ -26,6 +26,7 @@ from pipeline.policies.network import (
     to_actions,
     to_float,
 )
+from pipeline.policies.strategies import Rule, Strategy
 
 CONFIG_FILE = "config.json"
 WEIGHTS_FILE = "model.safetensors"
@@ -177,6 +178,18 @@ def read_config(directory: Path, kind: str) -> dict[str, Any]:
     if found != kind:
         raise ValueError(f"{path}: the policy's type is {found!r}, expected {kind!r}")
     return config
+
+
+def driving_rule(safety: Path, strategy: Strategy, cut: float) -> Rule:
+    """The rule of a driving strategy for a primary that the policy in `safety` watches.
+
+    What deviates, for OPTIMAL, is what the policy's labels were made by.
+
+    Raises:
+        ValueError: as `read_config`; `cut` is out of its range.
+    """
+    labels = read_config(safety, SAFETY_TYPE)
+    return Rule(strategy, cut=cut, tau=labels["tau"], include_brake=labels["include_brake"])
 
 
 def load_weights(network: nn.Module, directory: Path) -> None:

@@ -8,8 +8,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from pipeline.cards.strip import read_some_images, sample_rows, strip
-from pipeline.data.reading import read_images
+from pipeline.cards.strip import sample_rows, strip
+from pipeline.data.reading import read_images, read_some_images
 from pipeline.inspection.tracks import sample_frame
 from pipeline.world.tracks import make_track
 
