@@ -9,6 +9,7 @@ from stages import (
     cards,
     collect,
     compare,
+    compare_policies,
     contact_sheet,
     errors,
     evaluate,
@@ -50,6 +51,7 @@ for stage in (
     report,
     inspect,
     compare,
+    compare_policies,
     watch,
 ):
     app.add_typer(stage.app)

@@ -33,4 +33,4 @@ def compare(
     fps = CONTROL_HZ // check_dataset(a)
     with options.rerun_sink(save, web, pair_blueprint(fps)) as sink:
         for pair in found:
-            log_pair(pair, sink.connect, fps=fps, cut=cut, tau=tau)
+            log_pair(pair, sink.connect, fps=fps, cut=cut, taus=(tau, tau))

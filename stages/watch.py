@@ -23,7 +23,7 @@ class Driving(StrEnum):
 
 @app.command()
 def watch(
-    track: Annotated[str, typer.Option(help="Its name; 'random:<seed>' is one too.")],
+    track: options.Track,
     traffic: options.Traffic,
     strategy: Annotated[Driving, typer.Option(help="Who drives. reference needs no policies.")],
     seconds: options.Seconds,

@@ -11,7 +11,8 @@ from stages import __main__ as cli
 ROOT = Path(__file__).parent.parent
 README = (ROOT / "README.md").read_text()
 STAGES = [path for path in ROOT.glob("stages/*.py") if "@app.command" in path.read_text()]
-OF_A_RUN = {"report", "errors", "inspect", "compare", "watch"}  # what has more than one iteration
+# what has more than one iteration
+OF_A_RUN = {"report", "errors", "inspect", "compare", "compare-policies", "watch"}
 
 
 def commands(heading: str) -> list[list[str]]:

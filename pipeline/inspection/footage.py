@@ -1,6 +1,7 @@
 """Frames of a drive as they are shown, whether a dataset has them or they are being driven."""
 
 import re
+from collections.abc import Sequence
 from dataclasses import dataclass, fields
 from typing import Self
 
@@ -52,6 +53,16 @@ class Footage:
     def rows(self, start: int, stop: int) -> "Footage":
         """Frames `start` (inclusive) to `stop` (exclusive), counted from the first one here."""
         return Footage(**{each.name: getattr(self, each.name)[start:stop] for each in fields(self)})
+
+    @classmethod
+    def joined(cls, parts: Sequence["Footage"]) -> Self:
+        """One after the other, at least one."""
+        arrays = {
+            each.name: np.concatenate([getattr(part, each.name) for part in parts])
+            for each in fields(cls)
+            if each.name != "others"
+        }
+        return cls(**arrays, others=[cars for part in parts for cars in part.others])
 
     @classmethod
     def of_episode(cls, episode: Episode, first_frame: int = 0) -> Self:

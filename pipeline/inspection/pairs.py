@@ -1,4 +1,4 @@
-"""Drives of two datasets on the same tracks, to be seen side by side."""
+"""Two drives on the same track, to be seen side by side."""
 
 from collections import Counter
 from dataclasses import dataclass
@@ -6,7 +6,8 @@ from pathlib import Path
 
 from pipeline.data.reading import check_dataset, read_episodes
 from pipeline.data.schema import CONTROL_HZ, Episode
-from pipeline.inspection.footage import track_of
+from pipeline.inspection.footage import Footage, track_of
+from pipeline.world.tracks import Track
 
 
 @dataclass(frozen=True, eq=False)
@@ -16,12 +17,13 @@ class Pair:
     title: str
     name: str
     """A short one, of this pair only."""
-    a: Episode
-    b: Episode
+    track: Track
+    a: Footage
+    b: Footage
 
 
 def pairs(a: Path, b: Path, number: int = 0) -> list[Pair]:
-    """A pair for every track that both datasets have, in the order of `a`.
+    """Of two datasets: a pair for every track that both have, in the order of `a`.
 
     Where the two began on the track is up to them. In memory are the images of one drive on each
     track of either dataset, 35 kB each.
@@ -43,8 +45,9 @@ def pairs(a: Path, b: Path, number: int = 0) -> list[Pair]:
         Pair(
             f"{track}: a is {a.name}, episode {i}; b is {b.name}, episode {of_b[track][0]}",
             f"{track}/{a.name}_{i}/{b.name}_{of_b[track][0]}",
-            episode,
-            of_b[track][1],
+            track_of(episode.task),
+            Footage.of_episode(episode),
+            Footage.of_episode(of_b[track][1]),
         )
         for track, (i, episode) in of_a.items()
         if track in of_b

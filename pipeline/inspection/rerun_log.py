@@ -41,13 +41,16 @@ def log_excerpt(excerpt: Excerpt, connect: Connect, *, fps: int, cut: float, tau
         drive_tracer(recording, fps=fps, cut=cut, tau=tau).send(footage)
 
 
-def log_pair(pair: Pair, connect: Connect, *, fps: int, cut: float, tau: float) -> None:
-    """Send two drives on one track as one recording, under a/ and b/; else as `log_excerpt`."""
+def log_pair(
+    pair: Pair, connect: Connect, *, fps: int, cut: float, taus: tuple[float, float]
+) -> None:
+    """Send two drives on one track as one recording, under a/ and b/; `taus` are theirs, else as
+    `log_excerpt`."""
     drives = {"a/": (pair.a, (BLUE, RED)), "b/": (pair.b, (LIGHT_BLUE, ORANGE))}
-    with new_recording(pair.name, pair.title, track_of(pair.a.task), connect) as recording:
-        for root, (episode, colors) in drives.items():
+    with new_recording(pair.name, pair.title, pair.track, connect) as recording:
+        for (root, (footage, colors)), tau in zip(drives.items(), taus, strict=True):
             tracer = drive_tracer(recording, fps=fps, cut=cut, tau=tau, root=root, colors=colors)
-            tracer.send(Footage.of_episode(episode))
+            tracer.send(footage)
 
 
 @contextmanager

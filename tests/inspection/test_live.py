@@ -1,7 +1,7 @@
 """What is seen of a drive while it is driven is what a recording of it would hold."""
 
 import time
-from dataclasses import replace
+from dataclasses import fields, replace
 from itertools import pairwise
 from pathlib import Path
 
@@ -67,6 +67,16 @@ def test_all_other_cars_are_where_they_were_when_the_frame_began() -> None:
         cars = world.cars
         before = np.stack([cars.x[1:], cars.y[1:], cars.heading[1:]], axis=1)
     assert len(before) == 30
+
+
+def test_a_whole_drive(driver: Driver) -> None:
+    seen = [footage for _, footage in watched(PLAN, driver)]
+    whole = Footage.joined(seen)
+    assert len(whole) == len(whole.others) == 30
+    for number, footage in enumerate(seen):
+        again = whole.rows(number, number + 1)
+        for each in fields(Footage):
+            np.testing.assert_array_equal(getattr(again, each.name), getattr(footage, each.name))
 
 
 def test_the_tally(driver: Driver) -> None:

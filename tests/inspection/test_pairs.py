@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from rerun.experimental import RrdReader
 
-from pipeline.data.schema import Episode
+from pipeline.data.schema import CAMERA, Episode
 from pipeline.data.writing import write_dataset
 from pipeline.inspection.pairs import pairs
 from pipeline.inspection.rerun_blueprints import pair_blueprint
@@ -16,7 +16,8 @@ from pipeline.inspection.rerun_sinks import into_file
 from tests.episodes import random_episode
 from tests.inspection.saved import column, origins, recordings
 
-TRACKS_A, TRACKS_B = ("alder", "birch", "alder", "random:7"), ("yew", "alder", "birch", "alder")
+OF_A = 0, ("alder", "birch", "alder", "random:7")
+OF_B = 1, ("yew", "alder", "birch", "alder")
 
 
 def episodes(seed: int, tracks: tuple[str, ...]) -> list[Episode]:
@@ -30,8 +31,8 @@ def episodes(seed: int, tracks: tuple[str, ...]) -> list[Episode]:
 @pytest.fixture(scope="module")
 def datasets(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Path]:
     a, b = (tmp_path_factory.mktemp("datasets") / name for name in "ab")
-    write_dataset(a, episodes(0, TRACKS_A), record_every=3)
-    write_dataset(b, episodes(1, TRACKS_B), record_every=3)
+    write_dataset(a, episodes(*OF_A), record_every=3)
+    write_dataset(b, episodes(*OF_B), record_every=3)
     return a, b
 
 
@@ -47,9 +48,10 @@ def test_a_pair_for_each_track_of_both(
         f"{track}: a is a, episode {i}; b is b, episode {j}" for track, (i, j) in expected.items()
     ]
     for pair, (i, j) in zip(found, expected.values(), strict=True):
-        assert pair.a.task == pair.b.task
-        for episode, number in ((pair.a, i), (pair.b, j)):
-            assert set(episode.columns["source.episode"][:, 0]) == {number}
+        for footage, (seed, tracks), episode in ((pair.a, OF_A, i), (pair.b, OF_B, j)):
+            expected = episodes(seed, tracks)[episode]
+            assert pair.track.name in expected.task
+            np.testing.assert_array_equal(footage.image, expected.columns[CAMERA])
 
 
 def test_what_cannot_be_paired(datasets: tuple[Path, Path], tmp_path: Path) -> None:
@@ -64,7 +66,7 @@ def test_both_drives_are_in_one_recording(datasets: tuple[Path, Path], tmp_path:
     found, path = pairs(*datasets), tmp_path / "pairs.rrd"
     with into_file(path, pair_blueprint(10)) as sink:
         for pair in found:
-            log_pair(pair, sink.connect, fps=10, cut=0.5, tau=0.01)
+            log_pair(pair, sink.connect, fps=10, cut=0.5, taus=(0.01, 0.02))
     entries = recordings(path)
     assert {entry.recording_id for entry in entries} == {pair.name for pair in found}
     entry = next(entry for entry in entries if entry.recording_id.startswith("alder"))
@@ -73,12 +75,14 @@ def test_both_drives_are_in_one_recording(datasets: tuple[Path, Path], tmp_path:
         if chunk.timeline_names:
             rows[chunk.entity_path] += chunk.num_rows
     drives = {"a": (found[0].a, BLUE, RED), "b": (found[0].b, LIGHT_BLUE, ORANGE)}
-    for root, (episode, primary, reference) in drives.items():
+    for root, (footage, primary, reference) in drives.items():
         counts = {entity: n for entity, n in rows.items() if entity.startswith(f"/{root}/")}
-        assert f"/{root}/camera" in counts and set(counts.values()) == {len(episode)}
-        drove = np.where(episode.columns["intervention"][:, 0], reference, primary)
+        assert f"/{root}/camera" in counts and set(counts.values()) == {len(footage)}
+        drove = np.where(footage.intervention, reference, primary)
         assert column(path, entry, f"/{root}/top_view/driven", "colors") == drove.tolist()
         probability = column(path, entry, f"/{root}/safe_probability/safe_probability", "scalars")
-        np.testing.assert_array_equal(probability, episode.columns["safe_probability"][:, 0])
+        np.testing.assert_array_equal(probability, footage.safe_probability)
+        (tau,) = set(column(path, entry, f"/{root}/deviation/tau", "scalars"))
+        assert tau == {"a": 0.01, "b": 0.02}[root]
         for view in ("camera", "who", "action", "safe_probability", "deviation", "speed"):
             assert f"{root}/{view}" in {origin.strip("/") for origin in origins(path)}

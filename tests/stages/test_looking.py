@@ -15,23 +15,25 @@ from stages import __main__ as cli
 from tests.episodes import random_episode
 from tests.inspection.saved import recordings
 
+BOTH = ["primary", "safety", "primary_b", "safety_b"]
 WATCH = ["--track", "willow", "--traffic", "3", "--seconds", "0.5", "--seed", "1"]
 
 
 @pytest.fixture(scope="module")
 def made(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Two datasets and two policies."""
+    """Two datasets, and two primaries with their safety policies."""
     root = tmp_path_factory.mktemp("made")
     rng = np.random.default_rng(0)
     for name in ("a", "b"):
         episode = random_episode(rng, 20, task="drive on yew with 2 other cars")
         write_dataset(root / name, [episode], record_every=3)
     generator = torch.Generator().manual_seed(0)
-    primary = PrimaryNetwork(2, generator=generator)
-    PrimaryPolicy(PrimaryConfig(channels=2), primary).save_pretrained(root / "primary")
-    safety = SafetyNetwork(feature_size(2), 8, generator=generator)
-    config = SafetyConfig(channels=2, hidden=8)
-    SafetyPolicy(config, safety).save_pretrained(root / "safety")
+    for ending in ("", "_b"):
+        primary = PrimaryNetwork(2, generator=generator)
+        PrimaryPolicy(PrimaryConfig(channels=2), primary).save_pretrained(root / f"primary{ending}")
+        safety = SafetyNetwork(feature_size(2), 8, generator=generator)
+        config = SafetyConfig(channels=2, hidden=8)
+        SafetyPolicy(config, safety).save_pretrained(root / f"safety{ending}")
     return root
 
 
@@ -51,6 +53,10 @@ def run(monkeypatch: pytest.MonkeyPatch, *arguments: object) -> int:
         (["watch", "primary", "safety", *WATCH, "--strategy", "naive"], "willow/naive/1"),
         (["watch", "primary", "safety", *WATCH, "--strategy", "safe"], "willow/safe/1"),
         (["watch", "primary", "safety", *WATCH, "--strategy", "optimal"], "willow/optimal/1"),
+        (
+            ["compare-policies", *BOTH, *WATCH, "--strategy", "naive"],
+            "willow/naive/1/primary/primary_b",
+        ),
     ],
 )
 def test_a_file_for_rerun(
@@ -67,6 +73,8 @@ def test_a_file_for_rerun(
     assert [entry.recording_id for entry in recordings(path)] == [expected]
     *before, last = capsys.readouterr().out.splitlines()
     assert last == f"{path}: open it with `rerun {path}`"
+    if typed[0] == "compare-policies":
+        assert [line.split(":")[0] for line in before] == ["a, primary", "b, primary_b"]
     if typed[0] == "watch":
         assert before[-1].startswith("0.0") and " laps, damage 0.00, 5 frames" in before[-1]
 
@@ -82,6 +90,8 @@ def test_a_file_for_rerun(
         (["watch", *WATCH, "--strategy", "reference", "--track", "nowhere"], "nowhere"),
         (["watch", *WATCH, "--strategy", "reference", "--record-every", "7"], "record_every"),
         (["watch", *WATCH, "--strategy", "mixture"], "--strategy"),
+        (["compare-policies", *BOTH, *WATCH, "--strategy", "reference"], "reference"),
+        (["compare-policies", "a", "safety", "b", "safety", *WATCH, "--strategy", "safe"], "a/"),
     ],
 )
 def test_nonsense_is_one_line(

@@ -1,0 +1,74 @@
+"""See two policies side by side: the same road, start and traffic, driven by each."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from stages import options
+
+app = typer.Typer()
+
+
+@app.command()
+def compare_policies(
+    primary_a: Annotated[Path, typer.Argument(help="A primary policy ...")],
+    safety_a: Annotated[Path, typer.Argument(help="... and its safety policy.")],
+    primary_b: Annotated[Path, typer.Argument(help="Another primary policy ...")],
+    safety_b: Annotated[Path, typer.Argument(help="... and its safety policy.")],
+    track: options.Track,
+    traffic: options.Traffic,
+    strategy: options.Strategy,
+    seconds: options.Seconds,
+    seed: options.Seed,
+    record_every: options.RecordEvery = 3,
+    cut: options.Cut = 0.5,
+    save: options.Save = None,
+    web: options.Web = False,
+) -> None:
+    """Let two policies drive the same road among the same cars, and show both drives in Rerun."""
+    from pipeline.data.schema import CONTROL_HZ
+    from pipeline.inspection.footage import Footage
+    from pipeline.inspection.live import Tally, watched
+    from pipeline.inspection.pairs import Pair
+    from pipeline.inspection.rerun_blueprints import pair_blueprint
+    from pipeline.inspection.rerun_log import log_pair
+    from pipeline.policies.inference import Driver, driving_rule
+    from pipeline.policies.recording import Drive
+    from pipeline.policies.strategies import parse_driving
+    from pipeline.world.tracks import make_track
+
+    policies = [(primary_a, safety_a), (primary_b, safety_b)]
+    drivers = [Driver.load(primary, safety) for primary, safety in policies]
+    plans = [
+        Drive(
+            track=track,
+            traffic=traffic,
+            spread=(0.0, 0.0),
+            seed=(seed,),
+            rule=driving_rule(safety, parse_driving(strategy), cut),
+            record_every=record_every,
+            seconds=seconds,
+        )
+        for _, safety in policies
+    ]
+    fps = CONTROL_HZ // record_every
+    drives, tallies = [], [Tally(), Tally()]
+    with options.progress("driving", 2 * seconds) as advance_to:
+        for number, (plan, driver, tally) in enumerate(zip(plans, drivers, tallies, strict=True)):
+            frames = []
+            for world, footage in watched(plan, driver):
+                tally.add(world, footage)
+                frames.append(footage)
+                advance_to(number * seconds + len(frames) / fps)
+            drives.append(Footage.joined(frames))
+    for letter, (primary, _), tally in zip("ab", policies, tallies, strict=True):
+        typer.echo(f"{letter}, {primary.name}: {tally}")
+    pair = Pair(
+        f"{strategy}, {plans[0].task}, seed {seed}: a is {primary_a.name}, b is {primary_b.name}",
+        f"{track}/{strategy}/{seed}/{primary_a.name}/{primary_b.name}",
+        make_track(track),
+        *drives,
+    )
+    with options.rerun_sink(save, web, pair_blueprint(fps)) as sink:
+        log_pair(pair, sink.connect, fps=fps, cut=cut, taus=(plans[0].rule.tau, plans[1].rule.tau))
