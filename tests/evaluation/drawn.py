@@ -1,0 +1,26 @@
+"""What a figure shows, read back from its axes."""
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+
+def panels(figure: Figure | None) -> dict[tuple[str, str], Axes]:
+    """By title and what is on x."""
+    assert figure is not None
+    return {(axes.get_title(loc="left"), axes.get_xlabel()): axes for axes in figure.axes}
+
+
+def curves(axes: Axes) -> dict[str, list[tuple[float, float]]]:
+    """Points, by the run or strategy that they are of; with traffic in brackets."""
+    return {
+        f"{line.get_label()}{' (traffic)' if line.is_dashed() else ''}": list(
+            zip(
+                np.asarray(line.get_xdata(), float).round(9).tolist(),
+                np.asarray(line.get_ydata(), float).round(9).tolist(),
+                strict=True,
+            )
+        )
+        for line in axes.get_lines()
+        if not str(line.get_label()).startswith("_")
+    }
