@@ -46,7 +46,11 @@ PLACES: dict[str, Callable[[Experiment, Step], float]] = {
     "frames trained on": lambda _, step: step.ledger.frames_trained,
 }
 """Where on x a step is; over several seeds, the mean."""
-APART = 3.0  # [points] in x between lines, so that equal ones stay visible
+SIZE = 5.0  # [points] of a marker
+# So that equal points stay visible, [points]: over the iterations, lines stand apart in x. Where x
+# is a cost, only intervals do, since no line may look cheaper: earlier ones have larger markers.
+APART = 3.0
+LARGER = 1.7
 
 
 @dataclass(frozen=True)
@@ -87,7 +91,8 @@ def draw(experiment: Experiment, panels: Sequence[Panel], columns: int) -> Figur
         for number, (panel, lines) in enumerate(shown, 1):
             axes = figure.add_subplot(rows, columns, number)
             for place, line in enumerate(lines):
-                _draw(axes, experiment, panel, line, APART * (place - (len(lines) - 1) / 2))
+                before, after = place, len(lines) - 1 - place
+                _draw(axes, experiment, panel, line, APART * (before - after) / 2, after)
             _frame(axes, panel)
         handles = _legend([line for _, lines in shown for line in lines])
         figure.legend(handles=handles, loc="outside upper center", ncols=4, handlelength=3.2)
@@ -99,8 +104,12 @@ def is_driven(experiment: Experiment, line: Line) -> bool:
     return any(estimate(experiment, "laps", cell) for cell in line.cells(experiment))
 
 
-def _draw(axes: Axes, experiment: Experiment, panel: Panel, line: Line, shift: float) -> None:
-    """Values and intervals, `shift` [points] to the right; a gap where there are none."""
+def _draw(
+    axes: Axes, experiment: Experiment, panel: Panel, line: Line, shift: float, after: int
+) -> None:
+    """Values and intervals, `shift` [points] to the right; a gap where there are none. So many lines
+    come `after` it.
+    """
     found = [estimate(experiment, panel.metric, cell) for cell in line.cells(experiment)]
     value, low, high = (
         [getattr(one, end) if one else np.nan for one in found] for end in ("value", "low", "high")
@@ -108,10 +117,14 @@ def _draw(axes: Axes, experiment: Experiment, panel: Panel, line: Line, shift: f
     steps = [experiment.of(line.run, i) for i in experiment.iterations(line.run)]
     x = [np.mean([PLACES[panel.place](experiment, step) for step in seeds]) for seeds in steps]
     look = _look(*LOOKS[line.key], line.condition)
+    is_cost = panel.place != "iteration"
+    if is_cost:
+        look["markersize"] += LARGER * after
     curve = axes.plot(x, value, label=NAMES[line.key], clip_on=False, zorder=3, **look)
     bars = axes.vlines(x, low, high, look["color"], linewidth=0.9, clip_on=False)
     aside = offset_copy(axes.transData, axes.get_figure(root=True), shift, units="points")
-    for artist in (*curve, bars):  # only now: the limits of the axes are those of the data
+    moved = [bars] if is_cost else [*curve, bars]
+    for artist in moved:  # only now: the limits of the axes are those of the data
         artist.set_transform(aside)
 
 
@@ -148,7 +161,7 @@ def _apart(first: float, last: float) -> list[float]:
 
 
 def _look(colour: str, marker: str, where: str) -> dict[str, Any]:
-    look = {"color": colour, "marker": marker, "markersize": 5.0, "linestyle": DASHES[where]}
+    look = {"color": colour, "marker": marker, "markersize": SIZE, "linestyle": DASHES[where]}
     return look | {"markerfacecolor": colour if where == "no_traffic" else "white"}
 
 

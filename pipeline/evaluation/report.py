@@ -14,6 +14,7 @@ from pipeline.evaluation.summary import LAPS
 from pipeline.evaluation.track_table import by_track
 from pipeline.evaluation.verdicts import verdicts
 from pipeline.evaluation.wording import table
+from pipeline.policies.driving import STANDSTILL
 
 
 @dataclass(frozen=True)
@@ -42,7 +43,8 @@ def render_report(material: Material, pictures: Pictures) -> str:
         "## Claims of the paper",
         _claims(experiment),
         "## Over the iterations",
-        "Bars are 95 % intervals. Lines stand a little apart, so that equal ones stay visible.",
+        "Bars are 95 % intervals. Over the iterations lines stand a little apart, so that equal ones "
+        "stay visible; over queries and frames only their bars do.",
         *(f"{title}:\n\n![{title}]({place})" for title, place in pictures.figures.items()),
         "## In numbers",
         *_numbers(material),
@@ -78,9 +80,10 @@ def _numbers(material: Material) -> Iterator[str]:
     yield "### Driving on the test tracks"
     yield (
         "Each cell: without traffic / with traffic, with 95 % intervals. Laps are the mean over "
-        f"the drives, {LAPS:g} at most, halted on leaving the road. Damage is in m²/s² per lap "
-        "driven. The steering MSE is per frame that the primary drove, full lock = 1. Takeover is "
-        "the share of the frames that the reference drove."
+        f"the drives, {LAPS:g} at most, cut to two digits; a drive is halted when it leaves the road, "
+        f"has stood still for {STANDSTILL:g} s or is out of time. Damage is half the squared closing "
+        "speed of each touch, in m²/s² per lap driven. The steering MSE is per frame that the primary "
+        "drove, full lock = 1. Takeover is the share of the frames that the reference drove."
     )
     yield from (tables.driving(experiment, metric) for metric in tables.METRICS)
     yield "### What it cost"
