@@ -23,7 +23,7 @@ MEANINGS = {
     "intervention": "the reference drove",
     "queried": "the frame cost a query",
     "safe_probability": "the safety policy's; below the cut is unsafe",
-    "deviation": "squared difference of the two steerings, where both are known",
+    "deviation": "squared difference of the two steerings (the brakes are not in it), where both are known",
     "source.iteration": "the iteration in which the frame was first recorded",
     "source.episode": "the drive of that iteration",
     "source.frame": "the frame of that drive",
