@@ -1,5 +1,6 @@
 """See two policies side by side: the same road, start and traffic, driven by each."""
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Annotated
 
@@ -35,40 +36,42 @@ def compare_policies(
     from pipeline.inspection.rerun_log import log_pair
     from pipeline.policies.inference import Driver, driving_rule
     from pipeline.policies.recording import Drive
-    from pipeline.policies.strategies import parse_driving
+    from pipeline.policies.strategies import Rule, parse_driving
     from pipeline.world.tracks import make_track
 
-    policies = [(primary_a, safety_a), (primary_b, safety_b)]
-    drivers = [Driver.load(primary, safety) for primary, safety in policies]
-    plans = [
-        Drive(
-            track=track,
-            traffic=traffic,
-            spread=(0.0, 0.0),
-            seed=(seed,),
-            rule=driving_rule(safety, parse_driving(strategy), cut),
-            record_every=record_every,
-            seconds=seconds,
-        )
-        for _, safety in policies
+    plan = Drive(
+        track=track,
+        traffic=traffic,
+        spread=(0.0, 0.0),
+        seed=(seed,),
+        rule=Rule(parse_driving(strategy)),
+        record_every=record_every,
+        seconds=seconds,
+    )
+    sides = [
+        (Driver.load(primary, safety), driving_rule(safety, plan.rule.strategy, cut))
+        for primary, safety in ((primary_a, safety_a), (primary_b, safety_b))
     ]
     fps = CONTROL_HZ // record_every
-    drives, tallies = [], [Tally(), Tally()]
-    with options.progress("driving", 2 * seconds) as advance_to:
-        for number, (plan, driver, tally) in enumerate(zip(plans, drivers, tallies, strict=True)):
-            frames = []
-            for world, footage in watched(plan, driver):
-                tally.add(world, footage)
-                frames.append(footage)
-                advance_to(number * seconds + len(frames) / fps)
-            drives.append(Footage.joined(frames))
-    for letter, (primary, _), tally in zip("ab", policies, tallies, strict=True):
-        typer.echo(f"{letter}, {primary.name}: {tally}")
-    pair = Pair(
-        f"{strategy}, {plans[0].task}, seed {seed}: a is {primary_a.name}, b is {primary_b.name}",
-        f"{track}/{strategy}/{seed}/{primary_a.name}/{primary_b.name}",
-        make_track(track),
-        *drives,
-    )
     with options.rerun_sink(save, web, pair_blueprint(fps)) as sink:
-        log_pair(pair, sink.connect, fps=fps, cut=cut, taus=(plans[0].rule.tau, plans[1].rule.tau))
+        drives, tallies = [], []
+        with options.progress("driving", 2 * seconds) as advance_to:
+            for number, (driver, rule) in enumerate(sides):
+                frames, tally = [], Tally()
+                for world, footage in watched(replace(plan, rule=rule), driver):
+                    tally.add(world, footage)
+                    frames.append(footage)
+                    advance_to(number * seconds + len(frames) / fps)
+                drives.append(Footage.joined(frames))
+                tallies.append(tally)
+        for name, tally in zip(
+            (f"a, {primary_a.name}", f"b, {primary_b.name}"), tallies, strict=True
+        ):
+            typer.echo(f"{name}: {tally}")
+        pair = Pair(
+            f"{strategy}, {plan.task}, seed {seed}: a is {primary_a.name}, b is {primary_b.name}",
+            f"{track}/{strategy}/{seed}/{primary_a.name}/{primary_b.name}",
+            make_track(track),
+            *drives,
+        )
+        log_pair(pair, sink.connect, fps=fps, cut=cut, taus=(sides[0][1].tau, sides[1][1].tau))

@@ -13,7 +13,7 @@ from pipeline.policies.primary import PrimaryConfig, PrimaryPolicy
 from pipeline.policies.safety import SafetyConfig, SafetyPolicy
 from stages import __main__ as cli
 from tests.episodes import random_episode
-from tests.inspection.saved import recordings
+from tests.inspection.saved import column, recordings
 
 BOTH = ["primary", "safety", "primary_b", "safety_b"]
 WATCH = ["--track", "willow", "--traffic", "3", "--seconds", "0.5", "--seed", "1"]
@@ -77,6 +77,24 @@ def test_a_file_for_rerun(
         assert [line.split(":")[0] for line in before] == ["a, primary", "b, primary_b"]
     if typed[0] == "watch":
         assert before[-1].startswith("0.0") and " laps, damage 0.00, 5 frames" in before[-1]
+
+
+def test_each_side_is_driven_by_its_own_policies(
+    made: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """What a and b propose and believe is what `watch` shows of them alone."""
+    monkeypatch.chdir(made)
+    how = [*WATCH, "--strategy", "naive", "--save"]
+    pair, alone_a, alone_b = (tmp_path / f"{name}.rrd" for name in ("pair", "a", "b"))
+    assert run(monkeypatch, "compare-policies", *BOTH, *how, pair) == 0
+    assert run(monkeypatch, "watch", *BOTH[:2], *how, alone_a) == 0
+    assert run(monkeypatch, "watch", *BOTH[2:], *how, alone_b) == 0
+    for entity in ("action/primary_steering", "safe_probability/safe_probability"):
+        a, b, *expected = (
+            column(path, recordings(path)[0], f"/{root}{entity}", "scalars")
+            for path, root in ((pair, "a/"), (pair, "b/"), (alone_a, ""), (alone_b, ""))
+        )
+        assert [a, b] == expected and a != b
 
 
 @pytest.mark.parametrize(
