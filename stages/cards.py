@@ -23,7 +23,10 @@ def cards(
         Path | None, typer.Option(help="The dvc.lock that knows what made them, if there is one.")
     ] = None,
 ) -> None:
-    """Write a card for each dataset and each policy, with front matter for the Hub."""
+    """Write a card for each dataset and each policy.
+
+    With front matter for the Hub.
+    """
     from pipeline.cards.catalogue import Catalogue
     from pipeline.cards.writing import write_dataset_cards, write_model_cards
     from pipeline.output import new_directory

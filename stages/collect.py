@@ -43,7 +43,10 @@ def collect(
     seed: options.Seed,
     workers: options.Workers,
 ) -> None:
-    """Collect a dataset with the reference policy (lines 1 and 2; supervised)."""
+    """Collect a dataset with the reference (lines 1, 2).
+
+    Also what supervised learning trains on in later iterations.
+    """
     from pipeline.data.writing import write_dataset
     from pipeline.output import refuse_existing
     from pipeline.policies.recording import SEED_STREAMS, Drive, record_all

@@ -22,7 +22,10 @@ def compare(
     cut: options.Cut = 0.5,
     tau: options.Tau = 0.0025,
 ) -> None:
-    """Show two datasets side by side in Rerun, one recording for each track that both have."""
+    """Show two datasets side by side in Rerun.
+
+    One recording for each track that both have.
+    """
     from pipeline.data.reading import check_dataset
     from pipeline.data.schema import CONTROL_HZ
     from pipeline.inspection.pairs import pairs

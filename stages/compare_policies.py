@@ -27,14 +27,18 @@ def compare_policies(
     save: options.Save = None,
     web: options.Web = False,
 ) -> None:
-    """Let two policies drive the same road among the same cars, and show both drives in Rerun."""
+    """Let two policies drive the same road, in Rerun.
+
+    From the same start, among the same cars.
+    """
     from pipeline.data.schema import CONTROL_HZ
     from pipeline.inspection.footage import Footage
     from pipeline.inspection.live import Tally, watched
     from pipeline.inspection.pairs import Pair
     from pipeline.inspection.rerun_blueprints import pair_blueprint
     from pipeline.inspection.rerun_log import log_pair
-    from pipeline.policies.inference import Driver, driving_rule
+    from pipeline.policies.inference import Driver
+    from pipeline.policies.loading import driving_rule
     from pipeline.policies.recording import Drive
     from pipeline.policies.strategies import Rule, parse_driving
     from pipeline.world.tracks import make_track

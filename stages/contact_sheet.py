@@ -16,7 +16,10 @@ def contact_sheet(
     output: Annotated[Path, typer.Argument(help="Where to draw it (PNG). It must not exist.")],
     frames: Annotated[int, typer.Option(min=1, help="How many of each; 10 in the paper.")],
 ) -> None:
-    """Draw the safest and the least safe frames of a rollout, with their probability."""
+    """Draw the safest and the least safe frames (PNG).
+
+    Of a rollout, with their probability of being safe.
+    """
     from pipeline.data.reading import read_columns, read_images
     from pipeline.evaluation.writing import write_file
     from pipeline.inspection.canvas import png

@@ -25,22 +25,21 @@ def errors(
     figure: Annotated[Path, typer.Option(help="Where to draw the histograms (PNG).")],
     metrics: options.Metrics,
 ) -> None:
-    """Show how a primary's steering errors lie around the threshold (Fig. 2)."""
+    """Show how a primary's errors lie around tau (Figure 2)."""
     from pipeline.evaluation.errors import error_histogram, error_summary
     from pipeline.evaluation.writing import write_file, write_metrics
     from pipeline.inspection.canvas import png
     from pipeline.learning.labels import LabelRule, threshold_for_share
     from pipeline.learning.safety import judge
     from pipeline.output import refuse_existing
-    from pipeline.policies.inference import PRIMARY_TYPE, load_primary, read_config
+    from pipeline.policies.loading import load_primary, read_brake_cut
 
     for path in (figure, metrics):
         refuse_existing(path)
     network = load_primary(primary)
-    brake_cut = read_config(primary, PRIMARY_TYPE)["brake_cut"]
     rule = LabelRule(include_brake=False, horizon=0.0, mode="last")
     deviations = {
-        name: judge(network, dataset, brake_cut=brake_cut, rule=rule).deviation
+        name: judge(network, dataset, brake_cut=read_brake_cut(primary), rule=rule).deviation
         for name, dataset in (("trained on", trained), ("held out", held_out))
     }
     summaries = {name: error_summary(found, tau) for name, found in deviations.items()}

@@ -16,7 +16,7 @@ def evaluate(
     safety: options.Safety,
     tracks: options.Tracks,
     traffic: options.Traffic,
-    laps: Annotated[float, typer.Option(min=0.01, help="Most laps of one drive; 3 in the paper.")],
+    laps: Annotated[float, typer.Option(min=0.01, max=3, help="Most laps of one drive.")],
     starts: Annotated[
         int, typer.Option(min=1, help="Drives on each track, from different places.")
     ],
@@ -31,14 +31,15 @@ def evaluate(
     seed: options.Seed,
     workers: options.Workers,
 ) -> None:
-    """Evaluate a primary and its safety policy on tracks, by driving strategies (Sec. 4.4)."""
+    """Evaluate policies by driving strategies (Section 4.4)."""
     from pipeline.evaluation.driving import evaluate as evaluate_drive
     from pipeline.evaluation.driving import plans
     from pipeline.evaluation.outcomes import write_outcomes
     from pipeline.evaluation.summary import summarise
     from pipeline.evaluation.writing import write_metrics
     from pipeline.output import refuse_existing
-    from pipeline.policies.inference import Driver, driving_rule
+    from pipeline.policies.inference import Driver
+    from pipeline.policies.loading import driving_rule
     from pipeline.policies.recording import in_order
     from pipeline.policies.strategies import parse_driving
 
@@ -65,7 +66,9 @@ def evaluate(
             outcomes.append(outcome)
             advance_to(len(outcomes))
     write_outcomes(drives, outcomes)
-    write_metrics(metrics, summarise(outcomes))
+    write_metrics(
+        metrics, {"tracks": options.names(tracks), "most_laps": laps, **summarise(outcomes)}
+    )
     frames = sum(outcome.frames for outcome in outcomes)
     takeovers = sum(outcome.takeover_frames for outcome in outcomes)
     typer.echo(

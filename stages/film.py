@@ -24,11 +24,15 @@ def film(
     show_every: Annotated[int, typer.Option(min=1, help="Frames to a picture of the film.")],
     seed: options.Seed,
 ) -> None:
-    """Drive, and write a film of it (GIF, ten pictures a second)."""
+    """Drive, and write a film of it (GIF).
+
+    Ten pictures a second.
+    """
     from pipeline.evaluation.writing import write_file
     from pipeline.inspection.film import gif, shoot
     from pipeline.output import refuse_existing
-    from pipeline.policies.inference import Driver, driving_rule
+    from pipeline.policies.inference import Driver
+    from pipeline.policies.loading import driving_rule
     from pipeline.policies.recording import SEED_STREAMS, Drive
     from pipeline.policies.strategies import parse_driving
 

@@ -25,7 +25,7 @@ def inspect(
     cut: options.Cut = 0.5,
     tau: options.Tau = 0.0025,
 ) -> None:
-    """Show a dataset in Rerun, one recording for each episode."""
+    """Show a dataset in Rerun, a recording an episode."""
     from pipeline.data.reading import check_dataset
     from pipeline.data.schema import CONTROL_HZ
     from pipeline.inspection.excerpts import around_takeovers, whole_episodes

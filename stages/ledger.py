@@ -18,7 +18,10 @@ def ledger(
     aggregate: Annotated[Path, typer.Argument(help="What was trained on: D_i.")],
     metrics: options.Metrics,
 ) -> None:
-    """Count an iteration's queries from the columns of its datasets."""
+    """Count frames driven, queries, frames trained on.
+
+    Of an iteration, from the columns of its datasets.
+    """
     from pipeline.data.ledger import count
     from pipeline.evaluation.writing import write_metrics
     from pipeline.output import refuse_existing

@@ -47,7 +47,9 @@ Cut = Annotated[
     float, typer.Option(min=0, max=1, help="A frame is unsafe below this safe probability.")
 ]
 Tau = Annotated[float, typer.Option(min=0, help="A frame is unsafe above this deviation.")]
-Metrics = Annotated[Path, typer.Option(help="Where to write what was measured (JSON).")]
+Metrics = Annotated[
+    Path, typer.Option(help="Where to write what was measured (JSON). It must not exist.")
+]
 Seed = Annotated[
     int, typer.Option(min=0, help="Of every random choice: equal seeds give equal bytes.")
 ]
@@ -61,14 +63,17 @@ Web = Annotated[bool, typer.Option("--web", help="Serve it to a browser on this 
 Optimizer = Annotated[
     OptimizerName, typer.Option(help="sgd is the paper's, adamw one cycle of AdamW.")
 ]
-LearningRate = Annotated[float, typer.Option(help="The highest of the cycle, for adamw.")]
-WeightDecay = Annotated[float, typer.Option(help="Weight decay.")]
-Batch = Annotated[int, typer.Option(help="Examples in a step.")]
-Passes = Annotated[int, typer.Option(help="Examples shown in all.")]
+LearningRate = Annotated[float, typer.Option(help="Above 0; for adamw the highest of the cycle.")]
+WeightDecay = Annotated[float, typer.Option(min=0, help="Weight decay.")]
+Batch = Annotated[int, typer.Option(min=1, help="Examples in a step.")]
+Passes = Annotated[int, typer.Option(min=1, help="Examples shown in all.")]
 Validation = Annotated[
-    float, typer.Option(help="Share of the episodes held out for the validation error.")
+    float,
+    typer.Option(help="Share of the episodes held out for the validation error, [0, 1)."),
 ]
-Patience = Annotated[int, typer.Option(help="For sgd: epochs without improvement before it stops.")]
+Patience = Annotated[
+    int, typer.Option(min=1, help="For sgd: epochs without improvement before it stops.")
+]
 Threads = Annotated[
     int, typer.Option(min=1, help="Processor threads. Another number may give other last bits.")
 ]

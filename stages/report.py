@@ -25,7 +25,7 @@ def report(
     output: Annotated[Path, typer.Option(help="The report to write, markdown.")],
     figures: Annotated[Path, typer.Option(help="Folder for the report's figures, PNG.")],
 ) -> None:
-    """Write the report: verdicts on the paper's claims, figures, every number, and every gap."""
+    """Write the report: verdicts, figures, every number."""
     from pipeline.evaluation.figures import TITLES, over_the_iterations, result
     from pipeline.evaluation.material import read_material
     from pipeline.evaluation.report import Pictures, render_report

@@ -37,7 +37,7 @@ def rollout(
     seed: options.Seed,
     workers: options.Workers,
 ) -> None:
-    """Drive with the safe strategy and keep every frame, raw (D', line 6)."""
+    """Drive by the safe strategy, keep all (D', line 6)."""
     import numpy as np
 
     from pipeline.data.schema import CONTROL_HZ
@@ -46,7 +46,8 @@ def rollout(
     from pipeline.learning.labels import LabelRule
     from pipeline.learning.quality import detection_quality
     from pipeline.output import refuse_existing
-    from pipeline.policies.inference import SAFETY_TYPE, Driver, read_config
+    from pipeline.policies.inference import Driver
+    from pipeline.policies.loading import SAFETY_TYPE, read_config
     from pipeline.policies.recording import SEED_STREAMS, Drive, record_all, until_queries
     from pipeline.policies.strategies import Rule, Strategy
 

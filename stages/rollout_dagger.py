@@ -32,7 +32,7 @@ def rollout_dagger(
     seed: options.Seed,
     workers: options.Workers,
 ) -> None:
-    """Drive with DAgger's mixture and ask the reference about every frame (Sec. 2.6)."""
+    """Drive with DAgger's mixture, all labelled (Section 2.6)."""
     from pipeline.data.writing import write_dataset
     from pipeline.output import refuse_existing
     from pipeline.policies.inference import Driver

@@ -16,7 +16,7 @@ def sample(
     frames: Annotated[int, typer.Option(min=1, help="How many frames to keep.")],
     seed: options.Seed,
 ) -> None:
-    """Keep a uniform sample of the frames, as DAgger does (Sec. 4.2)."""
+    """Keep a uniform sample of frames: DAgger (Section 4.2)."""
     import numpy as np
 
     from pipeline.data.reading import check_dataset, read_columns, read_episodes

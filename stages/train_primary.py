@@ -14,7 +14,7 @@ app = typer.Typer()
 def train_primary(
     dataset: options.Dataset,
     output: options.Output,
-    channels: Annotated[int, typer.Option(help="Of Conv1 to Conv4; 64 in the paper.")],
+    channels: Annotated[int, typer.Option(min=1, help="Of Conv1 to Conv4; 64 in the paper.")],
     optimizer: options.Optimizer,
     learning_rate: options.LearningRate,
     weight_decay: options.WeightDecay,
@@ -28,24 +28,29 @@ def train_primary(
     mirror: Annotated[
         bool, typer.Option(help="Show half of the images as in a mirror, labels and all.")
     ],
-    steering_weight: Annotated[float, typer.Option(help="Weight of the steering in the loss.")],
-    brake_weight: Annotated[float, typer.Option(help="Weight of the brake in the loss.")],
-    brake_on: Annotated[
-        float, typer.Option(help="Class weight of the brake being on, the rare label.")
+    steering_weight: Annotated[
+        float, typer.Option(min=0, help="Weight of the steering in the loss.")
     ],
-    brake_cut: Annotated[float, typer.Option(help="Brake where its probability is above this.")],
+    brake_weight: Annotated[float, typer.Option(min=0, help="Weight of the brake in the loss.")],
+    brake_on: Annotated[
+        float, typer.Option(min=0, help="Class weight of the brake being on, the rare label.")
+    ],
+    brake_cut: Annotated[
+        float, typer.Option(min=0, max=1, help="Brake where its probability is above this.")
+    ],
     seed: options.Seed,
     threads: options.Threads,
     initial: Annotated[
         Path | None, typer.Option(help="A primary policy to start from, else from scratch.")
     ] = None,
 ) -> None:
-    """Train the primary policy to imitate the reference (lines 3 and 9)."""
+    """Train a primary to imitate the reference (lines 3, 9)."""
+    from pipeline.data.labels import check_labels
     from pipeline.data.reading import read_columns, read_images
     from pipeline.learning.settings import PrimarySettings
     from pipeline.learning.training import train_primary as train
     from pipeline.output import new_directory
-    from pipeline.policies.inference import load_primary
+    from pipeline.policies.loading import load_primary
     from pipeline.policies.network import LossWeights
     from pipeline.policies.primary import PrimaryConfig, PrimaryPolicy
     from pipeline.world.traffic import SENSOR_RANGE
@@ -71,6 +76,7 @@ def train_primary(
         channels=channels, sensor_range=SENSOR_RANGE, brake_cut=brake_cut, loss=loss
     )
     with new_directory(output) as folder:
+        check_labels(dataset)
         columns = read_columns(dataset, ["action", "affordances"])
         start = load_primary(initial).state_dict() if initial else None
         with options.progress("training", passes) as advance_to:

@@ -25,7 +25,7 @@ def train_safety(
     dataset: Annotated[Path, typer.Argument(help="D_i: this primary was trained on it.")],
     output: options.Output,
     tau: Annotated[
-        float, typer.Option(help="Threshold on the squared steering error: safe up to here.")
+        float, typer.Option(min=0, help="Threshold on the squared steering error: safe up to here.")
     ],
     include_brake: Annotated[bool, typer.Option(help="Whether a wrong brake is a deviation too.")],
     horizon: Annotated[
@@ -36,15 +36,17 @@ def train_safety(
         typer.Option(help="The deviation at the end of the horizon, or the largest within."),
     ],
     cut: Annotated[
-        float, typer.Option(help="Unsafe is what has a lower probability of being safe.")
+        float,
+        typer.Option(min=0, max=1, help="Unsafe is what has a lower probability of being safe."),
     ],
     balance: Annotated[
-        float, typer.Option(help="Class weights: 0 counts each frame alike, 1 each class.")
+        float,
+        typer.Option(min=0, max=1, help="Class weights: 0 counts each frame alike, 1 each class."),
     ],
     held_out: Annotated[
-        float, typer.Option(help="Share of D_safe's episodes kept to measure with.")
+        float, typer.Option(min=0, max=1, help="Share of D_safe's episodes kept to measure with.")
     ],
-    hidden: Annotated[int, typer.Option(help="Width of each of the two hidden layers.")],
+    hidden: Annotated[int, typer.Option(min=1, help="Width of each of the two hidden layers.")],
     optimizer: options.Optimizer,
     learning_rate: options.LearningRate,
     weight_decay: options.WeightDecay,
@@ -56,11 +58,15 @@ def train_safety(
     seed: options.Seed,
     threads: options.Threads,
 ) -> None:
-    """Train the safety policy to tell where the primary deviates (lines 4 and 10)."""
+    """Train a primary's safety policy (lines 4 and 10).
+
+    To tell, without asking the reference, where the primary deviates from it.
+    """
     from functools import partial
 
     import numpy as np
 
+    from pipeline.data.identity import refuse_shared
     from pipeline.evaluation.writing import write_metrics
     from pipeline.learning.labels import LabelRule, safe_labels
     from pipeline.learning.quality import detection_quality
@@ -69,7 +75,7 @@ def train_safety(
     from pipeline.learning.training import safe_probabilities
     from pipeline.learning.training import train_safety as train
     from pipeline.output import new_directory, refuse_existing
-    from pipeline.policies.inference import PRIMARY_TYPE, load_primary, read_config
+    from pipeline.policies.loading import load_primary, read_brake_cut, weights_sha256
     from pipeline.policies.safety import SafetyConfig, SafetyPolicy
 
     refuse_existing(metrics)
@@ -87,8 +93,8 @@ def train_safety(
         balance=balance,
     )
     network = load_primary(primary)
-    brake_cut = read_config(primary, PRIMARY_TYPE)["brake_cut"]
     config = SafetyConfig(
+        primary_sha256=weights_sha256(primary),
         channels=network.channels,
         hidden=hidden,
         tau=tau,
@@ -100,14 +106,19 @@ def train_safety(
     )
     rule = LabelRule(include_brake, horizon, horizon_mode.value)
     with new_directory(output) as folder:
-        judged = partial(judge, network, brake_cut=brake_cut, rule=rule)
+        refuse_shared(dataset, d_safe)
+        judged = partial(judge, network, brake_cut=read_brake_cut(primary), rule=rule)
         unseen = judged(d_safe)
         kept = held_out_episodes(unseen, held_out, np.random.default_rng(seed))
         shown = unseen.only(~kept) + judged(dataset)
+        safe = safe_labels(shown.deviation, tau)
+        if len(np.unique(safe)) == 1:
+            kind = "safe" if safe[0] else "unsafe"
+            typer.echo(f"all frames to learn from are {kind}: it will call any {kind}", err=True)
         with options.progress("training", passes) as advance_to:
             safety, _ = train(
                 shown.features,
-                safe_labels(shown.deviation, tau),
+                safe,
                 shown.episode_index,
                 settings,
                 on_epoch=lambda epoch, epochs, now: advance_to(now["passes"]),

@@ -45,7 +45,8 @@ def watch(
     from pipeline.inspection.rerun_blueprints import live_blueprint
     from pipeline.inspection.rerun_camera import RAW
     from pipeline.inspection.rerun_log import drive_tracer, new_recording
-    from pipeline.policies.inference import Driver, driving_rule
+    from pipeline.policies.inference import Driver
+    from pipeline.policies.loading import driving_rule
     from pipeline.policies.recording import Drive
     from pipeline.policies.strategies import Rule, Strategy
     from pipeline.world.tracks import make_track
@@ -55,8 +56,10 @@ def watch(
         driver = Driver.load(primary, safety)
         rule = driving_rule(safety, Strategy(strategy), cut)
         tau = rule.tau
-    elif primary is not None or strategy is not Driving.reference:
-        raise typer.BadParameter(f"{strategy} needs a primary and its safety policy")
+    elif primary is not None:
+        raise typer.BadParameter(f"{primary} alone, expected its safety policy after it")
+    elif strategy is not Driving.reference:
+        raise typer.BadParameter(f"--strategy {strategy} needs a primary and its safety policy")
     plan = Drive(
         track=track,
         traffic=traffic,

@@ -34,12 +34,13 @@ class Origin:
 
     def shown(self) -> str:
         """The command in markdown, in lines that a shell takes as one."""
-        lines = [""]
-        for part in re.split(r" (?=--)", self.command):  # an option stays with its value
+        first, *others = re.split(r" (?=--)", self.command)  # an option stays with its value
+        lines = [first]
+        for part in others:
             if len(lines[-1]) + len(part) > _WIDTH:
                 lines.append("   ")
             lines[-1] += f" {part}"
-        typed = " \\\n".join(lines).strip()
+        typed = " \\\n".join(lines)
         return f"The command, with all its parameters:\n\n```sh\n{typed}\n```"
 
 

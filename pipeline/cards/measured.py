@@ -1,8 +1,8 @@
 """What was measured of a policy, as the stages write it down."""
 
 import json
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -17,6 +17,10 @@ class Measured:
 
     driving: Mapping[tuple[str, str], Performance]
     """by strategy and condition: of a primary and its safety policy together"""
+    tracks: Sequence[str] = ()
+    """where they drove"""
+    most_laps: float = 0
+    """of a drive: then it was halted"""
     held_out: SafetyQuality | None = None
     """of a safety policy, on held-out frames of D_safe"""
     held_out_frames: int = 0
@@ -33,13 +37,16 @@ def read_measured(metrics: Path, step: str, *, safety: bool) -> Measured:
     Raises:
         ValueError: a file does not hold what it should.
     """
-    driving = _driving(driving_file(metrics, step))
+    measured = _read_driving(driving_file(metrics, step))
     path = metrics / f"safety_{step}.json"
     if not (safety and path.exists()):
-        return Measured(driving)
+        return measured
     file = MetricsFile(path)
-    quality = file.record(SafetyQuality, "held_out")
-    return Measured(driving, quality, int(file.number("held_out", "frames")))
+    return replace(
+        measured,
+        held_out=file.record(SafetyQuality, "held_out"),
+        held_out_frames=int(file.number("held_out", "frames")),
+    )
 
 
 def driving_file(metrics: Path, step: str) -> Path:
@@ -47,10 +54,10 @@ def driving_file(metrics: Path, step: str) -> Path:
     return metrics / f"driving_{step}.json"
 
 
-def _driving(path: Path) -> dict[tuple[str, str], Performance]:
-    """In the order of the strategies and conditions, those that there are."""
+def _read_driving(path: Path) -> Measured:
+    """Strategies and conditions in their order, those that there are."""
     if not path.exists():
-        return {}
+        return Measured({})
     file = MetricsFile(path)
     there = _object(json.loads(path.read_text()))
     driving = {
@@ -61,7 +68,14 @@ def _driving(path: Path) -> dict[tuple[str, str], Performance]:
     }
     if not driving:
         raise ValueError(f"{path}: no strategy's drives, expected some of {', '.join(DRIVING)}")
-    return driving
+    return Measured(driving, _names(path, there), file.number("most_laps"))
+
+
+def _names(path: Path, there: Mapping[str, Any]) -> list[str]:
+    tracks = there.get("tracks")
+    if not (isinstance(tracks, list) and tracks and all(isinstance(one, str) for one in tracks)):
+        raise ValueError(f"{path}: tracks is {json.dumps(tracks)}, expected names of tracks")
+    return tracks
 
 
 def _object(value: Any) -> dict[str, Any]:

@@ -7,11 +7,11 @@ from huggingface_hub import EvalResult, ModelCardData
 from pipeline.cards.measured import Measured
 from pipeline.cards.policy import PolicyFacts
 from pipeline.evaluation.metrics_file import SafetyQuality
-from pipeline.evaluation.summary import LAPS, Performance
+from pipeline.evaluation.summary import Performance
 from pipeline.evaluation.wording import CONDITION_WORDS
 
 _DRIVING = {
-    "laps": f"Laps, at most {LAPS:g}",
+    "laps": "Laps of a drive",
     "damage_per_lap": "Damage per lap [m^2/s^2]",
     "steering_mse": "Steering MSE",
     "takeover": "Share of frames that the reference drives",
@@ -34,9 +34,10 @@ def front_matter(policy: PolicyFacts, measured: Measured, datasets: Sequence[str
 
 def _results(measured: Measured) -> list[EvalResult]:
     found = []
+    tracks = ", ".join(measured.tracks)
     for (strategy, condition), performance in measured.driving.items():
         where = f"{strategy} strategy, {CONDITION_WORDS[condition]}"
-        found += _of("safedagger/Driving-v0", "Test tracks", where, performance, _DRIVING)
+        found += _of("safedagger/Driving-v0", tracks, where, performance, _DRIVING)
     if measured.held_out:
         found += _of("local/D_safe", "D_safe", "held out", measured.held_out, _DETECTING)
     return found

@@ -7,7 +7,7 @@ from typing import Any
 
 from torch import Tensor
 
-from pipeline.policies.inference import (
+from pipeline.policies.loading import (
     PRIMARY_TYPE,
     SAFETY_TYPE,
     load_primary,

@@ -2,9 +2,9 @@
 
 from pipeline.cards.lineage import Origin
 from pipeline.cards.measured import Measured
-from pipeline.evaluation.summary import LAPS
 from pipeline.evaluation.wording import CONDITION_WORDS, amount, count, laps, ratio, share, table
 from pipeline.policies.strategies import Strategy
+from pipeline.world.tracks import TEST
 
 _STRATEGIES: dict[str, str] = {
     Strategy.NAIVE: "the primary drives",
@@ -32,10 +32,12 @@ def driving(measured: Measured, evaluation: Origin | None) -> str:
         ]
         for (strategy, condition), of in measured.driving.items()
     ]
-    header = ["strategy", "condition", "drives", f"laps, at most {LAPS:g}"]
+    header = ["strategy", "condition", "drives", f"laps, at most {measured.most_laps:g}"]
     header += ["damage per lap [m^2/s^2]"]
     header += ["steering MSE", "the reference drives", "drives that left the road"]
-    found = f"On test tracks; {strategies}:\n\n{table(header, rows, words=2)}"
+    tracks = ", ".join(measured.tracks)
+    where = f"the test tracks {tracks}" if TEST.keys() >= set(measured.tracks) else tracks
+    found = f"On {where}; {strategies}:\n\n{table(header, rows, words=2)}"
     return f"{found}\n\n{evaluation.shown()}" if evaluation else found
 
 

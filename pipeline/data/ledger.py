@@ -8,11 +8,8 @@ from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
-import numpy as np
-
+from pipeline.data.identity import identities
 from pipeline.data.reading import read_columns
-
-_SOURCE = ("source.iteration", "source.episode", "source.frame")
 
 
 @dataclass(frozen=True)
@@ -47,14 +44,14 @@ def count(raw: Path, aggregate: Path) -> Ledger:
     Raises:
         FileNotFoundError, ValueError: as `check_dataset`.
     """
-    driven = read_columns(raw, ["intervention", "queried", *_SOURCE])
-    trained = read_columns(aggregate, _SOURCE)
-    kept = set(_identity(trained))
+    driven = read_columns(raw, ["intervention", "queried"])
+    trained = identities(aggregate)
+    kept = set(trained)
     return Ledger(
         frames_driven=len(driven["queried"]),
         queries=int(driven["queried"].sum()),
-        frames_selected=sum(row in kept for row in _identity(driven)),
-        frames_trained=len(trained["frame_index"]),
+        frames_selected=sum(frame in kept for frame in identities(raw)),
+        frames_trained=len(trained),
         takeover=float(driven["intervention"].mean()),
     )
 
@@ -81,8 +78,3 @@ def cumulative(iterations: Sequence[Ledger]) -> list[Ledger]:
             )
         )
     return totals
-
-
-def _identity(columns: dict[str, np.ndarray]) -> list[tuple[int, ...]]:
-    """For each row, where it was first recorded."""
-    return list(zip(*(columns[name][:, 0].tolist() for name in _SOURCE), strict=True))

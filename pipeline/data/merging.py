@@ -4,9 +4,11 @@ import contextlib
 import io
 import logging
 from collections.abc import Iterator, Sequence
+from itertools import combinations
 from pathlib import Path
 
 from pipeline.data.canonical import canonicalise
+from pipeline.data.identity import refuse_shared
 from pipeline.data.reading import check_dataset
 from pipeline.data.schema import CONTROL_HZ
 from pipeline.data.writing import Summary, new_dataset, summarise
@@ -17,14 +19,14 @@ def merge(paths: Sequence[Path], output: Path) -> Summary:
     """Write the episodes of the datasets `paths`, in that order, as the dataset `output`.
 
     Args:
-        paths: at least one, all of the same frame rate.
+        paths: at least one, all of the same frame rate, and no frame in two of them.
         output: must not exist.
 
     Raises:
         FileExistsError: `output` exists.
         FileNotFoundError: one of `paths` does not exist.
-        ValueError: one is no complete dataset of our schema, they differ in frame rate, or there
-            are none.
+        ValueError: one is no complete dataset of our schema, they differ in frame rate or share a
+            frame, or there are none.
     """
     refuse_existing(output)
     if not paths:
@@ -33,6 +35,8 @@ def merge(paths: Sequence[Path], output: Path) -> Summary:
     for path, found in zip(paths, fps, strict=True):
         if found != fps[0]:
             raise ValueError(f"{path}: fps is {found}, expected {fps[0]} as in {paths[0]}")
+    for first, second in combinations(paths, 2):
+        refuse_shared(first, second)
     with new_dataset(output) as root:
         _merge_with_lerobot(paths, root)
         canonicalise(root)

@@ -3,9 +3,11 @@ or, for DAgger, a uniform sample (Sec. 4.2).
 """
 
 from collections.abc import Iterable, Iterator
+from pathlib import Path
 
 import numpy as np
 
+from pipeline.data.reading import read_columns
 from pipeline.data.schema import Episode
 
 
@@ -31,6 +33,21 @@ def unsafe_runs(safe_probability: np.ndarray, cut: float) -> list[slice]:
     if safe_probability.ndim != 1:
         raise ValueError(f"safe_probability has shape {safe_probability.shape}, expected (T,)")
     return runs(safe_probability < cut)
+
+
+def check_unsafe(path: Path, cut: float) -> None:
+    """Check that there is something to select in the dataset `path`.
+
+    Raises:
+        ValueError: no row was judged by a safety policy, or none has a probability below `cut`; or
+            as `check_dataset`.
+        FileNotFoundError: as `check_dataset`.
+    """
+    probability = read_columns(path, ["safe_probability"])["safe_probability"]
+    if np.isnan(probability).all():
+        raise ValueError(f"{path}: no safe_probability, expected a rollout by the safe strategy")
+    if not (probability < cut).any():
+        raise ValueError(f"{path}: no frame has a safe_probability below the cut, {cut:g}")
 
 
 def select_unsafe(episodes: Iterable[Episode], cut: float) -> Iterator[Episode]:

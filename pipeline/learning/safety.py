@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from pipeline.data.labels import check_labels
 from pipeline.data.reading import check_dataset, read_columns, read_images
 from pipeline.data.schema import CONTROL_HZ
 from pipeline.learning.labels import LabelRule
@@ -55,12 +56,8 @@ def judge(primary: PrimaryNetwork, dataset: Path, *, brake_cut: float, rule: Lab
         asked about.
     """
     fps = CONTROL_HZ / check_dataset(dataset)
-    columns = read_columns(dataset, ["action", "queried"])
-    if not columns["queried"].all():
-        unknown = int((~columns["queried"]).sum())
-        raise ValueError(
-            f"{dataset}: {unknown} frames have no label of the reference, expected none"
-        )
+    check_labels(dataset)
+    columns = read_columns(dataset, ["action"])
     proposed, features = propose(primary, read_images(dataset), brake_cut=brake_cut)
     epsilon = rule.deviation(proposed, columns["action"], columns["episode_index"], fps)
     return Judged(features, epsilon, columns["episode_index"])

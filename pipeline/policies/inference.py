@@ -1,23 +1,20 @@
-"""Driving with trained networks, and reading them from disk, without LeRobot.
+"""Driving with trained networks, without LeRobot.
 
 Plain PyTorch: quick to import in the processes that drive. In the shapes, N is the number of images
 and F the numbers in Conv5's activations of one.
 """
 
 import copy
-import json
 from pathlib import Path
-from types import UnionType
-from typing import Any, Self
+from typing import Self
 
 import numpy as np
 import torch
-from safetensors import SafetensorError
-from safetensors.torch import load_file
-from torch import Tensor, nn
+from torch import Tensor
 
 from pipeline.data.schema import IMAGE_SHAPE
 from pipeline.policies.computing import computing
+from pipeline.policies.loading import check_pair, load_primary, load_safety, read_brake_cut
 from pipeline.policies.network import (
     PrimaryNetwork,
     SafetyNetwork,
@@ -26,15 +23,6 @@ from pipeline.policies.network import (
     to_actions,
     to_float,
 )
-from pipeline.policies.strategies import Rule, Strategy
-
-CONFIG_FILE = "config.json"
-WEIGHTS_FILE = "model.safetensors"
-"""What a directory models/<policy>_<iteration> holds, with LeRobot's processors beside them."""
-
-PRIMARY_TYPE = "safedagger_primary"
-SAFETY_TYPE = "safedagger_safety"
-"""LeRobot's names for the two kinds of policies."""
 
 _PROPOSED = 32
 """Images at a time: more do not fit into a processor's cache."""
@@ -78,13 +66,15 @@ class Driver:
         """The policies saved in two directories, such as models/primary_0 and models/safety_0.
 
         Raises:
-            ValueError: files are missing, of another kind of policy, or do not fit.
+            ValueError: files are missing, of another kind of policy, or do not fit; `safety` watches
+                another primary.
         """
-        config = read_config(primary, PRIMARY_TYPE)
+        if safety is not None:
+            check_pair(primary, safety)
         return cls(
             load_primary(primary),
             load_safety(safety) if safety is not None else None,
-            brake_cut=float(_field(primary, config, "brake_cut", int | float)),
+            brake_cut=read_brake_cut(primary),
             bfloat16=bfloat16,
         )
 
@@ -144,76 +134,6 @@ def propose(
     return actions, conv5
 
 
-def load_primary(directory: Path) -> PrimaryNetwork:
-    """The primary network in a policy's directory; ValueError where it is missing or misfits."""
-    config = read_config(directory, PRIMARY_TYPE)
-    network = PrimaryNetwork(_field(directory, config, "channels", int))
-    load_weights(network, directory)
-    return network
-
-
-def load_safety(directory: Path) -> SafetyNetwork:
-    """The safety network in a policy's directory; ValueError where it is missing or misfits."""
-    config = read_config(directory, SAFETY_TYPE)
-    channels, hidden = (_field(directory, config, name, int) for name in ("channels", "hidden"))
-    network = SafetyNetwork(feature_size(channels), hidden)
-    load_weights(network, directory)
-    return network
-
-
-def read_config(directory: Path, kind: str) -> dict[str, Any]:
-    """The configuration of the policy in `directory`.
-
-    Raises:
-        ValueError: there is none, it is not JSON, or not of this kind of policy.
-    """
-    path = Path(directory) / CONFIG_FILE
-    try:
-        config = json.loads(path.read_text(encoding="utf-8"))
-    except OSError as error:
-        raise ValueError(f"{path}: {error.strerror}, expected a saved {kind} policy") from None
-    except ValueError as error:
-        raise ValueError(f"{path}: not JSON ({error}), expected a saved {kind} policy") from None
-    found = config.get("type") if isinstance(config, dict) else None
-    if found != kind:
-        raise ValueError(f"{path}: the policy's type is {found!r}, expected {kind!r}")
-    return config
-
-
-def driving_rule(safety: Path, strategy: Strategy, cut: float) -> Rule:
-    """The rule of a driving strategy for a primary that the policy in `safety` watches.
-
-    What deviates, for OPTIMAL, is what the policy's labels were made by.
-
-    Raises:
-        ValueError: as `read_config`; `cut` is out of its range.
-    """
-    labels = read_config(safety, SAFETY_TYPE)
-    return Rule(strategy, cut=cut, tau=labels["tau"], include_brake=labels["include_brake"])
-
-
-def load_weights(network: nn.Module, directory: Path) -> None:
-    """Fill `network` with the weights saved in `directory`: all of them, and no others.
-
-    Raises:
-        ValueError: the file is missing or damaged, or a name, shape or type does not fit.
-    """
-    path = Path(directory) / WEIGHTS_FILE
-    if not path.is_file():
-        raise ValueError(f"{path} is missing, expected the weights of a policy")
-    try:
-        saved = load_file(path)
-    except SafetensorError as error:
-        reason = " ".join(str(error).split())
-        raise ValueError(f"{path}: {reason}, expected the weights of a policy") from None
-    wanted = {f"network.{name}": tensor for name, tensor in network.state_dict().items()}
-    for name in sorted(wanted.keys() | saved.keys()):
-        found, expected = (_describe(weights.get(name)) for weights in (saved, wanted))
-        if found != expected:
-            raise ValueError(f"{path}: {name} is {found}, expected {expected}")
-    network.load_state_dict({name.removeprefix("network."): saved[name] for name in saved})
-
-
 def _propose(ready: PrimaryNetwork, images: Tensor, brake_cut: float) -> tuple[Tensor, Tensor]:
     conv5 = ready.features(to_float(images)).float()
     return to_actions(*ready.action_heads(conv5), brake_cut), conv5
@@ -226,14 +146,3 @@ def _ready(network: PrimaryNetwork, bfloat16: bool) -> PrimaryNetwork:
         for convolution in ready.convolutions():
             convolution.to(torch.bfloat16)
     return ready
-
-
-def _describe(weights: Tensor | None) -> str:
-    return "none" if weights is None else f"{weights.dtype} {list(weights.shape)}"
-
-
-def _field(directory: Path, config: dict[str, Any], name: str, kind: type | UnionType) -> Any:
-    if not isinstance(config.get(name), kind):
-        path = Path(directory) / CONFIG_FILE
-        raise ValueError(f"{path}: {name} is {config.get(name)!r}, expected a number")
-    return config[name]

@@ -21,7 +21,7 @@ from lerobot.utils.constants import ACTION
 from torch import Tensor, nn
 
 from pipeline.data.schema import ACTIONS, CAMERA, IMAGE_SHAPE
-from pipeline.policies.inference import CONFIG_FILE, PRIMARY_TYPE, load_weights, read_config
+from pipeline.policies.loading import CONFIG_FILE, PRIMARY_TYPE, load_weights, read_config
 from pipeline.policies.network import (
     CHANNELS,
     LossWeights,

@@ -15,7 +15,7 @@ from lerobot.processor.factory import make_default_pre_post_processors
 from lerobot.utils.constants import ACTION
 from torch import Tensor
 
-from pipeline.policies.inference import SAFETY_TYPE
+from pipeline.policies.loading import SAFETY_TYPE
 from pipeline.policies.network import CHANNELS, SafetyNetwork, feature_size
 from pipeline.policies.primary import OfflineConfig, OfflinePolicy, Processors, check_feature
 
@@ -31,6 +31,8 @@ class SafetyConfig(OfflineConfig):
         ValueError: a field is out of its range.
     """
 
+    primary_sha256: str = ""
+    """Of the weights file of the primary that it watches: it fits no other."""
     channels: int = CHANNELS
     """>= 1, of its primary's Conv1 to Conv4."""
     hidden: int = 64

@@ -15,6 +15,7 @@ from pipeline.data.selecting import select_unsafe
 from pipeline.data.writing import write_dataset
 from pipeline.evaluation.summary import summarise
 from pipeline.evaluation.writing import write_metrics
+from pipeline.policies.loading import weights_sha256
 from pipeline.policies.network import PrimaryNetwork, SafetyNetwork, feature_size
 from pipeline.policies.primary import PrimaryConfig, PrimaryPolicy
 from pipeline.policies.safety import SafetyConfig, SafetyPolicy
@@ -59,7 +60,8 @@ def original(tmp_path_factory: pytest.TempPathFactory) -> Path:
     primary = PrimaryNetwork(2, generator=generator)
     PrimaryPolicy(PrimaryConfig(channels=2), primary).save_pretrained(root / "models/primary_0")
     safety = SafetyNetwork(feature_size(2), 4, generator=generator)
-    config = SafetyConfig(channels=2, hidden=4, cut=0.6)
+    watched = weights_sha256(root / "models/primary_0")
+    config = SafetyConfig(primary_sha256=watched, channels=2, hidden=4, cut=0.6)
     SafetyPolicy(config, safety).save_pretrained(root / "models/safety_0")
     _write_metrics(root / "metrics")
     stages = {
@@ -121,7 +123,8 @@ def _write_datasets(folder: Path) -> None:
 
 def _write_metrics(folder: Path) -> None:
     drives = [outcome(), outcome(traffic=3, damage=6.0)]
-    write_metrics(folder / "driving_0.json", summarise(drives))
+    evaluated = {"tracks": ["yew", "random:9"], "most_laps": 0.5, **summarise(drives)}
+    write_metrics(folder / "driving_0.json", evaluated)
     quality = {"auroc": 0.75, "recall": 0.6, "precision": 0.5, "share_unsafe": 0.25}
     held_out = quality | {"share_predicted_unsafe": 0.3, "frames": 40}
     write_metrics(folder / "safety_0.json", {"tau": 0.0025, "held_out": held_out})

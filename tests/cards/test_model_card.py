@@ -49,7 +49,7 @@ def test_the_model_index_is_what_was_measured(name: str, cards: Path) -> None:
 
 
 def test_it_says_what_it_is_and_what_it_learned_from(cards: Path) -> None:
-    from pipeline.policies.inference import load_primary
+    from pipeline.policies.loading import load_primary
 
     card = (cards / "primary_0.md").read_text()
     weights = sum(p.numel() for p in load_primary(Path("models/primary_0")).parameters())

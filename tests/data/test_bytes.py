@@ -5,10 +5,14 @@ import subprocess
 import sys
 from pathlib import Path
 
+import numpy as np
+
 from pipeline.data.canonical import canonicalise
 from pipeline.data.merging import merge
+from pipeline.data.writing import write_dataset
 from tests.data.conftest import strict_json, tree
 from tests.data.sample import write_sample
+from tests.episodes import random_episode
 
 
 def test_bytes_depend_on_neither_place_nor_hash_seed(tmp_path: Path) -> None:
@@ -28,7 +32,9 @@ def test_bytes_depend_on_neither_place_nor_hash_seed(tmp_path: Path) -> None:
 
 def test_merging_keeps_the_data_files_of_the_first(d_0: Path, rollout_1: Path, tmp_path: Path):
     merge([d_0, rollout_1], tmp_path / "D_1")
-    merge([tmp_path / "D_1", rollout_1], tmp_path / "D_2")
+    then = random_episode(np.random.default_rng(2), 3, iteration=2)
+    write_dataset(tmp_path / "rollout_2", [then], record_every=3)
+    merge([tmp_path / "D_1", tmp_path / "rollout_2"], tmp_path / "D_2")
     d_1, d_2 = tree(tmp_path / "D_1" / "data"), tree(tmp_path / "D_2" / "data")
     assert len(d_1) == 2
     assert len(d_2) == 3

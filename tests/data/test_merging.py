@@ -74,15 +74,23 @@ def test_statistics_are_those_of_all_finite_values(d_1: Path) -> None:
                 assert all(np.isfinite(np.array(cell)).all() for cell in table[key].to_pylist())
 
 
-def test_merging_what_is_merged(d_1: Path, rollout_1: Path, tmp_path: Path) -> None:
-    summary = merge([d_1, rollout_1], tmp_path / "D_2")
-    assert (summary.episodes, summary.frames) == (8, 27)
-    first, then, both = (read_columns(path) for path in (d_1, rollout_1, tmp_path / "D_2"))
+def test_merging_what_is_merged(d_1: Path, tmp_path: Path) -> None:
+    rollout_2 = tmp_path / "rollout_2"
+    then = random_episode(np.random.default_rng(2), 6, iteration=2)
+    write_dataset(rollout_2, [then], record_every=3)
+    summary = merge([d_1, rollout_2], tmp_path / "D_2")
+    first, both = read_columns(d_1), read_columns(tmp_path / "D_2")
     for name in COLUMNS:
-        np.testing.assert_array_equal(both[name], np.concatenate([first[name], then[name]]))
-    # seven rows of demonstrations and, twice, the rows in which the reference drove
-    driven = 7 + 2 * int(then["intervention"].sum())
-    assert summary == Summary(tmp_path / "D_2", 8, 27, queries=driven)
+        np.testing.assert_array_equal(both[name], np.concatenate([first[name], then.columns[name]]))
+    queries = int(first["queried"].sum() + then.columns["queried"].sum())
+    assert summary == Summary(tmp_path / "D_2", 6, 23, queries)
+
+
+def test_refuses_frames_that_it_has_already(d_1: Path, rollout_1: Path, tmp_path: Path) -> None:
+    message = f"^{rollout_1}: 10 of its frames are in {d_1} too, expected none$"
+    with pytest.raises(ValueError, match=message):
+        merge([d_1, rollout_1], tmp_path / "D_2")
+    assert list(tmp_path.iterdir()) == []
 
 
 def test_merging_changes_no_input_and_leaves_nothing_else(

@@ -1,5 +1,6 @@
 from collections.abc import Iterator
 from itertools import pairwise
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -7,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from pipeline.data.schema import FEATURES, IMAGE_SHAPE, Episode
-from pipeline.data.selecting import sample_frames, select_unsafe, unsafe_runs
+from pipeline.data.selecting import check_unsafe, sample_frames, select_unsafe, unsafe_runs
 from tests.episodes import random_episode
 
 probability = st.one_of(st.sampled_from([0.0, 0.5, 1.0, float("nan")]), st.floats(0, 1, width=32))
@@ -87,6 +88,13 @@ def test_refuses_a_cut_that_is_no_probability(cut: float) -> None:
         select_unsafe(untouched(), cut)
     with pytest.raises(ValueError, match="cut is"):
         unsafe_runs(np.zeros(3), cut)
+
+
+def test_what_a_safety_policy_called_safe_throughout_has_nothing_to_select(rollout_1: Path) -> None:
+    check_unsafe(rollout_1, 0.5)
+    message = f"^{rollout_1}: no frame has a safe_probability below the cut, 0$"
+    with pytest.raises(ValueError, match=message):
+        check_unsafe(rollout_1, 0)
 
 
 def test_refuses_a_column() -> None:

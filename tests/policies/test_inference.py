@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 import torch
 
-from pipeline.policies.inference import Driver, driving_rule, propose
+from pipeline.policies.inference import Driver, propose
+from pipeline.policies.loading import driving_rule
 from pipeline.policies.network import PrimaryNetwork, SafetyNetwork, feature_size, to_float
 from pipeline.policies.safety import SafetyConfig, SafetyPolicy
 from pipeline.policies.strategies import Rule, Strategy

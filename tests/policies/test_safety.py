@@ -8,6 +8,7 @@ import torch.nn.functional as F
 from lerobot.policies.factory import get_policy_class, make_pre_post_processors
 
 from pipeline.policies.inference import Driver
+from pipeline.policies.loading import weights_sha256
 from pipeline.policies.network import PrimaryNetwork, SafetyNetwork, feature_size
 from pipeline.policies.primary import PrimaryConfig, PrimaryPolicy
 from pipeline.policies.safety import CONV5, SafetyConfig, SafetyPolicy
@@ -22,8 +23,8 @@ def make(**fields) -> SafetyPolicy:
     return SafetyPolicy(SafetyConfig(channels=2, hidden=8, **fields), network)
 
 
-def biased(towards_safe: float) -> SafetyPolicy:
-    policy = make()
+def biased(towards_safe: float, **fields) -> SafetyPolicy:
+    policy = make(**fields)
     with torch.no_grad():
         policy.network.layers[-1].weight.zero_()
         policy.network.layers[-1].bias.copy_(torch.tensor([0.0, towards_safe]))
@@ -66,12 +67,16 @@ def test_it_is_loaded_as_it_was_saved_with_the_rule_of_its_labels(tmp_path: Path
         assert path.read_bytes() == (tmp_path / "again" / path.name).read_bytes()
 
 
-def test_the_driver_takes_it_with_its_primary(tmp_path: Path):
-    primary = PrimaryNetwork(2, generator=torch.Generator().manual_seed(0))
-    PrimaryPolicy(PrimaryConfig(channels=2), primary).save_pretrained(tmp_path / "primary_0")
-    biased(-4).save_pretrained(tmp_path / "safety_0")
+def test_the_driver_takes_it_with_its_own_primary_alone(tmp_path: Path):
+    for seed, name in enumerate(("primary_0", "primary_1")):
+        primary = PrimaryNetwork(2, generator=torch.Generator().manual_seed(seed))
+        PrimaryPolicy(PrimaryConfig(channels=2), primary).save_pretrained(tmp_path / name)
+    watched = weights_sha256(tmp_path / "primary_0")
+    biased(-4, primary_sha256=watched).save_pretrained(tmp_path / "safety_0")
     driver = Driver.load(tmp_path / "primary_0", tmp_path / "safety_0")
     assert driver.safe_probability(torch.rand(1, 4, 4, 10)) < 0.1
+    with pytest.raises(ValueError, match="safety_0: was trained to watch another primary than"):
+        Driver.load(tmp_path / "primary_1", tmp_path / "safety_0")
 
 
 def test_a_primary_is_no_safety_policy(tmp_path: Path):

@@ -1,33 +1,19 @@
 """The commands as a user meets them: quick help, and one line for bad input."""
 
+import re
 import subprocess
 import sys
 from pathlib import Path
 
+import numpy as np
 import pytest
+import typer
 
+from pipeline.data.writing import write_dataset
 from stages import __main__ as cli
+from tests.episodes import random_episode
 
-STAGES = [
-    "collect",
-    "train-primary",
-    "train-safety",
-    "rollout",
-    "select",
-    "rollout-dagger",
-    "sample",
-    "merge",
-    "ledger",
-    "evaluate",
-    "errors",
-    "contact-sheet",
-    "film",
-    "cards",
-    "report",
-    "inspect",
-    "compare",
-    "watch",
-]
+STAGES = list(typer.main.get_command(cli.app).commands)  # type: ignore[attr-defined]
 HEAVY = {"torch", "lerobot", "pybullet", "numpy", "matplotlib", "datasets"}
 
 DRIVES = {
@@ -75,6 +61,18 @@ def test_each_stage_explains_itself(
         cli.main()
     assert exit_.value.code == 0
     assert f"safedagger {stage}" in capsys.readouterr().out
+
+
+def test_the_list_of_commands_shows_each_with_a_whole_line(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(sys, "argv", ["safedagger", "--help"])
+    with pytest.raises(SystemExit):
+        cli.main()
+    lines = capsys.readouterr().out.split("Commands:\n")[1].splitlines()
+    assert [line.split()[0] for line in lines] == STAGES
+    assert all(line.endswith(".") and not line.endswith("...") for line in lines)
+    assert all(line.count("(") == line.count(")") for line in lines)
 
 
 @pytest.mark.parametrize(
@@ -176,3 +174,81 @@ def test_missing_input_is_named_and_nothing_is_written(
     assert len(error.strip().splitlines()) == 1
     assert "missing" in error
     assert list(tmp_path.iterdir()) == []
+
+
+def test_of_a_dataset_without_a_safety_policy_nothing_is_selected(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    episode = random_episode(np.random.default_rng(0), 2, reference_only=True)
+    write_dataset(tmp_path / "D_0", [episode], record_every=3)
+    code, error = run(
+        capsys, monkeypatch, "select", tmp_path / "D_0", tmp_path / "out", "--cut", "0.5"
+    )
+    assert code == 2
+    assert error.startswith(f"safedagger: {tmp_path / 'D_0'}: no safe_probability, expected")
+    assert not (tmp_path / "out").exists()
+
+
+PRIMARY = {
+    **{"--channels": "2", "--optimizer": "adamw", "--learning-rate": "0.001", "--batch": "4"},
+    **{"--weight-decay": "0", "--passes": "4", "--validation": "0", "--patience": "1"},
+    **{"--jitter": "0", "--steering-weight": "1", "--brake-weight": "1", "--brake-on": "1"},
+    **{"--brake-cut": "0.5", "--seed": "0", "--threads": "1"},
+}
+SAFETY = {
+    **{"--tau": "0.0025", "--horizon": "0", "--horizon-mode": "last", "--cut": "0.5"},
+    **{"--balance": "1", "--held-out": "0.5", "--hidden": "4", "--optimizer": "adamw"},
+    **{"--learning-rate": "0.001", "--weight-decay": "0", "--batch": "4", "--passes": "4"},
+    **{"--validation": "0", "--patience": "1", "--seed": "0", "--threads": "1"},
+}
+
+
+def test_training_is_refused_what_would_spoil_it(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Frames without a label; D_safe that was trained on; a safety policy of another primary."""
+    monkeypatch.chdir(tmp_path)
+    rng = np.random.default_rng(0)
+    for name, number in (("D_0", 0), ("D_safe", 9)):
+        episodes = [
+            random_episode(rng, 3, episode=number + each, reference_only=True) for each in (0, 1)
+        ]
+        write_dataset(Path(name), episodes, record_every=3)
+    write_dataset(Path("rollout"), [random_episode(rng, 9, iteration=1)], record_every=3)
+
+    train = ("train-primary", "D_0", "one", *flat(PRIMARY), "--no-mirror")
+    assert run(capsys, monkeypatch, *train)[0] == 0
+    other = ("train-primary", "D_0", "other", *flat(PRIMARY | {"--seed": "1"}), "--no-mirror")
+    assert run(capsys, monkeypatch, *other)[0] == 0
+    code, error = run(
+        capsys, monkeypatch, "train-primary", "rollout", "bad", *flat(PRIMARY), "--no-mirror"
+    )
+    assert code == 2
+    assert re.fullmatch(
+        r"safedagger: rollout: \d frames have no label of the reference, .* `safedagger select` .*\n",
+        error,
+    )
+
+    of_one = (*flat(SAFETY), "--no-include-brake", "--metrics", "m")
+    code, error = run(capsys, monkeypatch, "train-safety", "one", "D_0", "D_0", "bad", *of_one)
+    assert code == 2
+    assert error == "safedagger: D_0: 6 of its frames are in D_0 too, expected none\n"
+    assert run(capsys, monkeypatch, "train-safety", "one", "D_safe", "D_0", "safe", *of_one)[0] == 0
+    watch = ("--track", "yew", "--traffic", "0", "--strategy", "safe", "--seconds", "0.2")
+    drive = (*watch, "--seed", "0", "--save", "drive.rrd")
+    code, error = run(capsys, monkeypatch, "watch", "other", "safe", *drive)
+    assert code == 2
+    assert error == "safedagger: safe: was trained to watch another primary than other\n"
+    assert not Path("bad").exists() and not Path("drive.rrd").exists()
+    assert run(capsys, monkeypatch, "watch", "one", "safe", *drive)[0] == 0
+
+
+@pytest.mark.parametrize("given", [["mine"], ["--strategy"]])
+def test_watch_names_the_policy_that_is_missing(
+    given: list[str], capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    policies = [word for word in given if word == "mine"]
+    options = ("--track", "yew", "--traffic", "0", "--seconds", "1", "--seed", "0")
+    code, error = run(capsys, monkeypatch, "watch", *policies, *options, "--strategy", "safe")
+    assert code == 2
+    assert ("mine alone" if policies else "--strategy safe needs a primary") in error

@@ -8,6 +8,7 @@ import pytest
 import torch
 
 from pipeline.data.writing import write_dataset
+from pipeline.policies.loading import weights_sha256
 from pipeline.policies.network import PrimaryNetwork, SafetyNetwork, feature_size
 from pipeline.policies.primary import PrimaryConfig, PrimaryPolicy
 from pipeline.policies.safety import SafetyConfig, SafetyPolicy
@@ -32,7 +33,8 @@ def made(tmp_path_factory: pytest.TempPathFactory) -> Path:
         primary = PrimaryNetwork(2, generator=generator)
         PrimaryPolicy(PrimaryConfig(channels=2), primary).save_pretrained(root / f"primary{ending}")
         safety = SafetyNetwork(feature_size(2), 8, generator=generator)
-        config = SafetyConfig(channels=2, hidden=8)
+        watched = weights_sha256(root / f"primary{ending}")
+        config = SafetyConfig(primary_sha256=watched, channels=2, hidden=8)
         SafetyPolicy(config, safety).save_pretrained(root / f"safety{ending}")
     return root
 
