@@ -37,5 +37,6 @@ for world, frame in recording.driven(plan, driver):
     print(f"{{world.laps:.3f}} laps", "reference" if frame.intervention else "primary")
 ```
 
-By the {strategy} strategy, on the test track {track} with {_TRAFFIC} other cars, for at most {_SECONDS} s.
+In a checkout of the project, with its environment active. It drives by the {strategy} strategy, on the test track
+{track} with {_TRAFFIC} other cars, for at most {_SECONDS} s.
 To LeRobot it is `pipeline.policies.{kind}.{name}`, whose `from_pretrained` loads it too."""
