@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from pipeline.inspection.footage import Footage
 from pipeline.inspection.rerun_traces import Trace
 from pipeline.world.cars import LENGTH, WIDTH
-from pipeline.world.tracks import LANE_WIDTH, SHOULDER, Track
+from pipeline.world.tracks import Track
 
 YELLOW, WHITE = 0xF0E442FF, 0xFFFFFFFF
 STEP = 1.5  # [m] between the points of a line along the road
@@ -32,13 +32,13 @@ def log_track(recording: rr.RecordingStream, track: Track) -> None:
         strip = rr.LineStrips2D(strips, colors=color, radii=radius, draw_order=order)
         recording.log(f"track/{entity}", strip, static=True)
 
-    edge = track.half_width - SHOULDER
     dashes = np.arange(0.0, track.length - look.dash[0], sum(look.dash))
     ends = dashes[:, None] + np.array([0.0, look.dash[0]])
-    between = edge - LANE_WIDTH * np.arange(1, track.lanes)
     draw("asphalt", [along(lap, 0.0)], (look.asphalt,) * 3, track.half_width, ROAD)
-    draw("edges", [along(lap, d) for d in (-edge, edge)], look.edge, LINE, PAINT)
-    draw("lanes", [dash for d in between for dash in along(ends, d)], look.line, LINE, PAINT)
+    edges = [along(lap, d) for d in track.edge_lines]
+    lines = [dash for d in track.lane_lines for dash in along(ends, d)]
+    draw("edges", edges, look.edge, LINE, PAINT)
+    draw("lanes", lines, look.line, LINE, PAINT)
 
 
 def top_view(*, primary: int, reference: int, label: str | None = None) -> list[Trace]:

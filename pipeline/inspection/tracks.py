@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from pipeline.inspection.canvas import DPI, new_figure, styled
 from pipeline.world.affordances import affordances
 from pipeline.world.cars import Cars
-from pipeline.world.tracks import LANE_WIDTH, SHOULDER, Track, make_track
+from pipeline.world.tracks import Track, make_track
 from pipeline.world.traffic import start
 from pipeline.world.world import World
 
@@ -121,11 +121,9 @@ def _draw_track(axes: Axes, track: Track) -> None:
     axes.fill(*along(track.half_width), color=asphalt, linewidth=0)
     axes.fill(*along(-track.half_width), color=asphalt, linewidth=0)
     axes.fill(*along(_inwards(track) * track.half_width), color=_rgb(look.ground), linewidth=0)
-    for boundary in range(1, track.lanes):
-        d = boundary * LANE_WIDTH - track.lanes * LANE_WIDTH / 2
+    for d in track.lane_lines:
         axes.plot(*along(d), color=_rgb(look.line), linewidth=0.5, linestyle=(0, (4, 3)))
-    for side in (-1, 1):
-        d = side * (track.half_width - SHOULDER)
+    for d in track.edge_lines:
         axes.plot(*along(d), color=_rgb(look.edge), linewidth=0.6)
 
 

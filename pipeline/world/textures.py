@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import gaussian_filter
 
-from pipeline.world.tracks import LANE_WIDTH, SHOULDER, Look, Track
+from pipeline.world.tracks import Look, Track
 
 TEXEL = 0.1  # [m] of road across a texel at full detail
 LINE_WIDTH, EDGE_WIDTH = 0.24, 0.30  # [m]
@@ -31,11 +31,10 @@ def road(track: Track, rng: np.random.Generator, period: float) -> Image:
     grey = look.asphalt + grain
     image = np.repeat(grey[..., None], 3, axis=2)
     dashes = along < look.dash[0]
-    for boundary in range(1, track.lanes):
-        d = boundary * LANE_WIDTH - track.lanes * LANE_WIDTH / 2
+    for d in track.lane_lines:
         image[np.ix_(dashes, np.abs(across - d) < LINE_WIDTH / 2)] = look.line
-    edge = np.abs(np.abs(across) - (track.half_width - SHOULDER)) < EDGE_WIDTH / 2
-    image[:, edge] = look.edge
+    for d in track.edge_lines:
+        image[:, np.abs(across - d) < EDGE_WIDTH / 2] = look.edge
     return np.clip(image, 0, 255).astype(np.uint8)
 
 

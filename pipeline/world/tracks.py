@@ -77,6 +77,17 @@ class Track:
         """[lanes] (m) lateral position of each lane's middle, left (positive) first."""
         return ((self.lanes - 1) / 2 - np.arange(self.lanes, dtype=np.float64)) * LANE_WIDTH
 
+    @cached_property
+    def lane_lines(self) -> NDArray[np.float64]:
+        """[lanes - 1] (m) lateral position of each line between two lanes, right (negative) first."""
+        return np.arange(1, self.lanes, dtype=np.float64) * LANE_WIDTH - self.lanes * LANE_WIDTH / 2
+
+    @property
+    def edge_lines(self) -> tuple[float, float]:
+        """(m) lateral positions of the lines outside the outermost lanes, right (negative) first."""
+        edge = self.half_width - SHOULDER
+        return -edge, edge
+
     def lane_of(self, d: NDArray[np.float64]) -> NDArray[np.int64]:
         """The lane nearest to the lateral position `d` [m]."""
         lane = np.rint((self.lanes - 1) / 2 - d / LANE_WIDTH)

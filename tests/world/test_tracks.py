@@ -83,6 +83,8 @@ def test_the_lane_of_a_place_is_the_one_whose_middle_is_nearest(
     np.testing.assert_array_equal(track.lane_of(track.lane_centres), np.arange(track.lanes))
     np.testing.assert_allclose(np.diff(track.lane_centres), -LANE_WIDTH)
     assert track.lane_centres.sum() == pytest.approx(0)
+    lines = np.array([track.edge_lines[0], *track.lane_lines, track.edge_lines[1]])
+    np.testing.assert_allclose((lines[1:] + lines[:-1]) / 2, track.lane_centres[::-1], atol=1e-9)
     d = data.draw(st.floats(-track.half_width, track.half_width))
     nearest = np.min(np.abs(track.lane_centres - d))
     found = track.lane_centres[track.lane_of(np.array([d]))[0]]
