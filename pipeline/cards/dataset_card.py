@@ -127,6 +127,8 @@ def _size(facts: Facts, tau: float) -> str:
             ["queries", *_part(total.queries, total.frames)],
             ["frames that the reference drove", *_part(total.by_reference, total.frames)],
             ["frames that brake", *_part(facts.braking, total.frames)],
+            *_spread("from the middle of the lane, at most [m]", facts.offset),
+            *_spread("angle to the lane, at most [rad]", facts.angle),
             ["frames that a safety policy judged", *_part(judged, total.frames)],
             *([["of these, called unsafe", *_part(facts.called_unsafe, judged)]] if judged else []),
             ["frames whose deviation is known", *_part(known, total.frames)],
@@ -137,6 +139,11 @@ def _size(facts: Facts, tau: float) -> str:
             ),
         ],
     )
+
+
+def _spread(what: str, within: tuple[float, float]) -> list[list[str]]:
+    half, most = within
+    return [[what, f"{half:.2f}", "50 %"], [what, f"{most:.2f}", "95 %"]]
 
 
 def _lineage(origin: Origin | None, parents: Sequence[str]) -> str:

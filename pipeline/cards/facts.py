@@ -9,7 +9,9 @@ import pyarrow.parquet as pq
 from numpy.typing import NDArray
 
 from pipeline.data.reading import check_dataset, read_columns, read_numbers
-from pipeline.data.schema import FEATURES
+from pipeline.data.schema import AFFORDANCES, FEATURES
+from pipeline.world.affordances import FULL_ANGLE
+from pipeline.world.tracks import LANE_WIDTH
 
 
 @dataclass(frozen=True)
@@ -46,6 +48,10 @@ class Facts:
     """of these, the ones above tau"""
     braking: int
     """frames whose action brakes"""
+    offset: tuple[float, float]
+    """[m] from the middle of the lane, at most, in half and in 95 % of the frames"""
+    angle: tuple[float, float]
+    """[rad] to the lane, the same"""
     cut_out: int
     """episodes that begin within a drive"""
     single: int
@@ -66,6 +72,7 @@ def read_facts(path: Path, tau: float) -> Facts:
     intervention = columns["intervention"][:, 0]
     judged = ~np.isnan(columns["safe_probability"][:, 0])
     deviation = columns["deviation"][:, 0]
+    affordances = columns["affordances"]
 
     def count(rows: NDArray[np.bool_]) -> Count:
         return Count(
@@ -85,6 +92,8 @@ def read_facts(path: Path, tau: float) -> Facts:
         called_unsafe=int((judged & intervention).sum()),
         compared=int((~np.isnan(deviation)).sum()),
         deviating=int((deviation > tau).sum()),
+        offset=_within(affordances[:, AFFORDANCES.index("lane_position")] * LANE_WIDTH / 2),
+        angle=_within(affordances[:, AFFORDANCES.index("lane_angle")] * FULL_ANGLE),
         braking=int((columns["action"][:, 1] > 0).sum()),
         cut_out=int((columns["source.frame"][firsts, 0] > 0).sum()),
         single=int((lengths == 1).sum()),
@@ -94,6 +103,12 @@ def read_facts(path: Path, tau: float) -> Facts:
             if feature["dtype"] == "float32"
         },
     )
+
+
+def _within(amount: NDArray[np.floating]) -> tuple[float, float]:
+    """The sizes that half and that 95 % of `amount` [N] do not exceed."""
+    half, most = np.quantile(np.abs(amount), (0.5, 0.95))
+    return float(half), float(most)
 
 
 def _by[Key](keys: NDArray, count: Callable[[NDArray[np.bool_]], Count]) -> dict[Key, Count]:

@@ -5,6 +5,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 import cv2
+import numpy as np
 import pytest
 from huggingface_hub import DatasetCard
 from lerobot.datasets.utils import create_lerobot_dataset_card
@@ -66,6 +67,24 @@ def test_its_numbers_are_the_datasets(name: str, cards: Path) -> None:
     assert (
         f"| frames that a safety policy judged | {judged} | {100 * judged / frames:.1f} % |" in card
     )
+
+
+@pytest.mark.parametrize(
+    ("row", "affordance", "unit"),
+    [
+        ("from the middle of the lane, at most [m]", -2, 1.8),
+        ("angle to the lane, at most [rad]", -1, 0.5),
+    ],
+)
+def test_it_says_how_far_its_frames_spread(
+    row: str, affordance: int, unit: float, cards: Path
+) -> None:
+    card = (cards / "D_0.md").read_text()
+    found = re.findall(rf"^\| {re.escape(row)} \| ([\d.]+) \| (\d+) % \|$", card, re.MULTILINE)
+    assert [share for _, share in found] == ["50", "95"]
+    amounts = np.abs(read_columns(Path("datasets/D_0"))["affordances"][:, affordance]) * unit
+    for value, share in found:
+        assert float(value) == pytest.approx(np.percentile(amounts, int(share)), abs=0.006)
 
 
 def test_it_counts_each_scenario_and_each_iteration(cards: Path) -> None:
