@@ -13,8 +13,9 @@ from pipeline.evaluation.wording import count
 OURS = "safedagger"
 
 
-def headline(experiment: Experiment) -> str:
+def headline(material: Material) -> str:
     """A point for the supervised stage, and for each training strategy after its last iteration."""
+    experiment = material.experiment
     compared = [run for run in TRAINING if run in experiment.runs]
     if not compared:
         return "There are no results of any training strategy."
@@ -23,13 +24,14 @@ def headline(experiment: Experiment) -> str:
         [
             f"- After supervised training alone, the primary, driven naively, completes {without} "
             f"of {LAPS:g} laps without traffic and {with_traffic} with traffic.",
-            *(f"- {' '.join(_sentences(experiment, run))}" for run in compared),
+            *(f"- {' '.join(_sentences(material, run))}" for run in compared),
         ]
     )
 
 
-def _sentences(experiment: Experiment, run: str) -> Iterator[str]:
+def _sentences(material: Material, run: str) -> Iterator[str]:
     """On one training strategy."""
+    experiment = material.experiment
     last = experiment.iterations(run)[-1]
     seeds = [step.seed for step in experiment.of(run, last)]
     fewer = "" if seeds == experiment.seeds else f" on {_seeds(seeds)}"
@@ -49,11 +51,12 @@ def _sentences(experiment: Experiment, run: str) -> Iterator[str]:
             f"{before[1]}."
         )
     elif OURS in experiment.runs:
-        yield from _times(experiment, run, last)
+        yield from _against(material, run, last)
 
 
-def _times(experiment: Experiment, run: str, last: int) -> Iterator[str]:
-    """How many queries SafeDAgger asked against another run, on the seeds of both."""
+def _against(material: Material, run: str, last: int) -> Iterator[str]:
+    """What SafeDAgger asked against another run, on the seeds of both, in the loop and in all."""
+    experiment = material.experiment
     ours = experiment.iterations(OURS)[-1]
     seeds = [
         step.seed
@@ -64,13 +67,22 @@ def _times(experiment: Experiment, run: str, last: int) -> Iterator[str]:
         return
     spent = fmean(experiment.queries(seed, OURS, ours) for seed in seeds)
     theirs = fmean(experiment.queries(seed, run, last) for seed in seeds)
-    if not spent or not theirs:
-        return
-    factor = f"{max(theirs, spent) / min(theirs, spent):.1f}"
+    labels = fmean(material.labels(seed, OURS, ours) for seed in seeds)
+    their_labels = fmean(material.labels(seed, run, last) for seed in seeds)
+    if spent and theirs:
+        yield (
+            f"SafeDAgger asked {_times(spent, theirs)} queries in the loop; with D_0, and D_safe "
+            f"that only it needs, {_times(labels, their_labels)} labels ({count(round(labels))} "
+            f"against {count(round(their_labels))})."
+        )
+
+
+def _times(ours: float, theirs: float) -> str:
+    """How many times as many, in words that go before a noun."""
+    factor = f"{max(ours, theirs) / min(ours, theirs):.1f}"
     if factor == "1.0":
-        yield "SafeDAgger asked as many queries."
-    else:
-        yield f"SafeDAgger asked {factor} times {'fewer' if spent < theirs else 'more'} queries."
+        return "as many"
+    return f"{factor} times {'fewer' if ours < theirs else 'as many'}"
 
 
 def cost(material: Material) -> str:

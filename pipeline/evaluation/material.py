@@ -6,7 +6,7 @@ from itertools import chain
 from pathlib import Path
 
 from pipeline.data.ledger import Ledger
-from pipeline.evaluation.experiment import Experiment, Step, read_experiment
+from pipeline.evaluation.experiment import VARIANTS, Experiment, Step, read_experiment
 from pipeline.evaluation.metrics_file import MetricsFile
 from pipeline.evaluation.scratch import read_scratch
 from pipeline.evaluation.threshold import read_thresholds
@@ -47,6 +47,14 @@ class Material:
         groups = [self.experiment, *self.thresholds.values(), self.scratch]
         steps = chain.from_iterable(group.steps.values() for group in groups)
         yield from {(step.seed, step.name): step for step in steps}.values()
+
+    def labels(self, seed: int, run: str, iteration: int) -> int:
+        """Queries in all up to and with this iteration: D_0's, the loop's and, where the loop needs
+        a safety policy, D_safe's. Of other runs the safety policies exist only to measure.
+        """
+        d_0 = self.experiment.steps[seed, run, 0].ledger.queries
+        d_safe = self.d_safe[seed].queries if run in VARIANTS else 0
+        return d_0 + self.experiment.queries(seed, run, iteration) + d_safe
 
 
 def read_material(metrics: Path) -> Material:

@@ -36,7 +36,7 @@ def render_report(material: Material, pictures: Pictures) -> str:
     experiment = material.experiment
     sections = [
         "# SafeDAgger: the result",
-        headline(experiment),
+        headline(material),
         *_result(pictures),
         cost(material),
         basis(material),
@@ -89,11 +89,12 @@ def _numbers(material: Material) -> Iterator[str]:
     yield "### What it cost"
     yield (
         "A query is a frame in which the reference was asked for an action to drive or to train "
-        "with. Counts are those of the loop, without D_0 and D_safe, which the reference drives "
-        "alone, and means over the seeds. Trained on is D_i: D_0 and all that was added so far; "
-        "D_safe never trains a primary."
+        "with. Queries and frames driven are those of the loop. Labels in all are D_0, these queries "
+        "and, for the runs whose loop needs a safety policy, D_safe; of the others it exists only to "
+        "measure. Trained on is D_i: D_0 and all that was added so far; D_safe never trains a "
+        "primary. Means over the seeds."
     )
-    yield tables.cost(experiment)
+    yield tables.cost(material)
     if set(VARIANTS) & set(experiment.runs):
         yield "### The safety policies"
         yield (

@@ -6,6 +6,7 @@ from statistics import fmean
 from pipeline.data.ledger import Ledger, cumulative
 from pipeline.evaluation.comparison import Cell, estimate
 from pipeline.evaluation.experiment import RUNS, Experiment
+from pipeline.evaluation.material import Material
 from pipeline.evaluation.summary import CONDITIONS
 from pipeline.evaluation.wording import amount, brief_interval, count, laps, share, table
 from pipeline.policies.strategies import DRIVING, Strategy
@@ -43,10 +44,12 @@ def driving(experiment: Experiment, metric: str) -> str:
     return by_iteration(experiment, experiment.runs, header, cells)
 
 
-def cost(experiment: Experiment) -> str:
-    """What the loop has cost so far: means over the seeds."""
+def cost(material: Material) -> str:
+    """What the loop has cost so far, and what the reference labelled in all: means over the seeds."""
+    experiment = material.experiment
     header = [
         "Queries so far",
+        "Labels in all",
         "Frames driven so far",
         "Of them by the reference",
         "Frames trained on",
@@ -54,8 +57,10 @@ def cost(experiment: Experiment) -> str:
 
     def cells(run: str, iteration: int) -> list[str]:
         queries, driven, takeover, trained = spent(experiment, run, iteration)
-        frames = [count(round(number)) for number in (queries, driven, trained)]
-        return [*frames[:2], share(takeover if iteration else None), frames[2]]
+        seeds = [step.seed for step in experiment.of(run, iteration)]
+        labels = fmean(material.labels(seed, run, iteration) for seed in seeds)
+        counts = [count(round(number)) for number in (queries, labels, driven, trained)]
+        return [*counts[:3], share(takeover if iteration else None), counts[3]]
 
     return by_iteration(experiment, experiment.runs, header, cells)
 

@@ -6,6 +6,7 @@ from functools import partial
 
 import pytest
 
+from pipeline.data.ledger import Ledger
 from pipeline.evaluation.comparison import Cell, estimate
 from pipeline.evaluation.experiment import RUNS, VARIANTS, Experiment, Step
 from pipeline.evaluation.material import ErrorShares
@@ -32,7 +33,7 @@ TABLES = {
     "Takeover, safe": 1,
     "Switches per lap, safe": 1,
     "Frames of a takeover, safe": 1,
-    "Queries so far": 4,
+    "Queries so far": 5,
 }
 
 
@@ -96,12 +97,15 @@ def test_the_cost_is_that_of_the_loop_and_the_mean_over_the_seeds() -> None:
             step, ledger=replace(step.ledger, frames_driven=driven, frames_trained=trained)
         )
 
-    found = rows(
-        report(changed(experiment({"safedagger": GROWING}, seeds=2), dearer)), "Queries so far"
-    )
-    assert found["SafeDAgger", "0"] == ["0", "0", "-", "2,000"]
-    assert found["SafeDAgger", "1"] == ["3,000", "1,050", "30.0 %", "2,010"]
-    assert found["SafeDAgger", "3"] == ["7,000", "6,150", "30.0 %", "2,030"]
+    made_up = changed(experiment({"safedagger": GROWING, "dagger": SLOW}, seeds=2), dearer)
+    d_safe = {seed: Ledger(1, 5000 + 200 * seed, 1, 1, 1.0) for seed in (0, 1)}
+    found = rows(report(made_up, d_safe=d_safe), "Queries so far")
+    assert found["SafeDAgger", "0"] == ["0", "8,100", "0", "-", "2,000"]
+    assert found["SafeDAgger", "1"] == ["3,000", "11,100", "1,050", "30.0 %", "2,010"]
+    assert found["SafeDAgger", "3"] == ["7,000", "15,100", "6,150", "30.0 %", "2,030"]
+    # its safety policies, and hence D_safe, exist only to measure
+    assert found["DAgger", "0"][:2] == ["0", "3,000"]
+    assert found["DAgger", "3"][:2] == ["35,000", "38,000"]
 
 
 def test_the_safety_policies_on_held_out_frames_and_in_the_next_rollout() -> None:
