@@ -44,9 +44,12 @@ def result(experiment: Experiment) -> Figure | None:
             Panel(f"naive, {LABELS[where]}", "laps", _lines(TRAINING, Strategy.NAIVE, where), ASKED)
             for where in CONDITIONS
         ),
-        Panel("safe, traffic", "takeover", _lines(TRAINING, Strategy.SAFE, "traffic")),
+        *(
+            Panel(f"safe, {LABELS[where]}", "takeover", _lines(TRAINING, Strategy.SAFE, where))
+            for where in CONDITIONS
+        ),
     ]
-    return draw(experiment, panels, columns=3)
+    return draw(experiment, panels, columns=2)
 
 
 def driving(experiment: Experiment, runs: Sequence[str]) -> Figure | None:

@@ -1,6 +1,6 @@
-"""What came out, in sentences: the headline of the report, what it cost, and what it rests on."""
+"""What came out, in sentences: the head of the report."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from statistics import fmean
 
 from pipeline.evaluation import tables
@@ -8,9 +8,25 @@ from pipeline.evaluation.experiment import RUNS, TRAINING, Experiment
 from pipeline.evaluation.material import Material
 from pipeline.evaluation.summary import LAPS
 from pipeline.evaluation.tables import NAIVE, SAFE
-from pipeline.evaluation.wording import count
+from pipeline.evaluation.verdicts import Verdict
+from pipeline.evaluation.wording import count, seeds_in_words
 
 OURS = "safedagger"
+
+
+def standing(judged: Sequence[Verdict]) -> str:
+    """How many of the claims hold, do not hold and are undecided, and which, by their numbers."""
+    words = {
+        "holds": ("holds", "hold"),
+        "does not hold": ("does not hold", "do not hold"),
+        "undecided": ("is undecided", "are undecided"),
+    }
+    parts = []
+    for verdict, (singular, plural) in words.items():
+        numbers = [str(i) for i, one in enumerate(judged, 1) if one.verdict == verdict]
+        which = f" ({', '.join(numbers)})" if numbers else ""
+        parts.append(f"{len(numbers)} {singular if len(numbers) == 1 else plural}{which}")
+    return f"Of the {len(judged)} [claims of the paper](#claims-of-the-paper), {', '.join(parts)}."
 
 
 def headline(material: Material) -> str:
@@ -34,12 +50,12 @@ def _sentences(material: Material, run: str) -> Iterator[str]:
     experiment = material.experiment
     last = experiment.iterations(run)[-1]
     seeds = [step.seed for step in experiment.of(run, last)]
-    fewer = "" if seeds == experiment.seeds else f" on {_seeds(seeds)}"
+    fewer = "" if seeds == experiment.seeds else f" on {seeds_in_words(seeds)}"
     asked = count(round(tables.spent(experiment, run, last)[0]))
     without, with_traffic = tables.estimates(experiment, "laps", run, last, NAIVE)
     yield (
         f"After iteration {last} of {RUNS[run]}{fewer}, at {asked} queries, it completes {without} "
-        f"and {with_traffic}."
+        f"and {with_traffic}. {_arrival(experiment, run)}"
     )
     if run == OURS:
         laps = tables.estimates(experiment, "laps", run, last, SAFE)
@@ -52,6 +68,26 @@ def _sentences(material: Material, run: str) -> Iterator[str]:
         )
     elif OURS in experiment.runs:
         yield from _against(material, run, last)
+
+
+def _arrival(experiment: Experiment, run: str) -> str:
+    """After which iteration all naive drives did all laps first, and after which no longer."""
+    drives = {
+        iteration: [d for step in experiment.of(run, iteration) for d in step.drives]
+        for iteration in experiment.iterations(run)
+    }
+    naive = {i: [d for d in each if d.strategy == NAIVE] for i, each in drives.items()}
+    full = [i for i, each in naive.items() if each and all(d.laps >= LAPS for d in each)]
+    if not full:
+        return f"After no iteration did all naive drives do {LAPS:g} laps."
+    first = full[0]
+    asked = count(round(tables.spent(experiment, run, first)[0]))
+    lost = [str(i) for i in naive if i > first and i not in full]
+    later = f", but no longer after iteration {' and '.join(lost)}" if lost else ""
+    return (
+        f"All {len(naive[first])} naive drives did {LAPS:g} laps first after iteration {first}, at "
+        f"{asked} queries{later}."
+    )
 
 
 def _against(material: Material, run: str, last: int) -> Iterator[str]:
@@ -83,64 +119,3 @@ def _times(ours: float, theirs: float) -> str:
     if factor == "1.0":
         return "as many"
     return f"{factor} times {'fewer' if ours < theirs else 'as many'}"
-
-
-def cost(material: Material) -> str:
-    """Queries of the loop and outside it, and, apart, what was asked only to measure."""
-    experiment = material.experiment
-    run = OURS if OURS in experiment.runs else experiment.runs[0]
-    last = experiment.iterations(run)[-1]
-    queries, driven, _, trained = tables.spent(experiment, run, last)
-    d_0 = fmean(step.ledger.queries for step in experiment.of(run, 0))
-    d_safe = fmean(ledger.queries for ledger in material.d_safe.values())
-    # whether the reference drives or is only looked up, each frame's deviation is known
-    loop = [step.ledger for step in experiment.steps.values() if step.iteration]
-    in_rollouts = sum(ledger.frames_driven - ledger.queries for ledger in loop)
-    in_evaluation = sum(drive.primary_frames for step in material.driven for drive in step.drives)
-    mean = ", on average" if len(experiment.of(run, last)) > 1 else ""
-    spent = [count(round(number)) for number in (queries, driven, d_0, d_safe, trained)]
-    return (
-        f"**Cost.** The loop of {RUNS[run]} asked {spent[0]} queries a seed{mean}, in {spent[1]} "
-        f"frames driven, after {spent[2]} queries for D_0 and {spent[3]} for D_safe; its last "
-        f"primary was trained on {spent[4]} frames. Only to measure, never to drive or to train, "
-        f"the reference was asked in {count(in_rollouts)} frames of rollouts and "
-        f"{count(in_evaluation)} of evaluation, all runs and seeds together."
-    )
-
-
-def basis(material: Material) -> str:
-    """What everything rests on, and how to get it again."""
-    experiment = material.experiment
-    steps = list(material.driven)
-    drives = [drive for step in steps for drive in step.drives]
-    starts = sorted({len({drive.start for drive in step.drives}) for step in steps})
-    cars = sorted({drive.traffic for drive in drives if drive.traffic})
-    alone = len(experiment.seeds) == 1
-    return (
-        f"**Basis.** {_seeds(experiment.seeds).capitalize()}. Test tracks: "
-        f"{', '.join(sorted({drive.track for drive in drives}))}. Starts on each: "
-        f"{' or '.join(map(str, starts))}. Traffic: {' or '.join(map(str, cars)) or 'no'} cars. "
-        f"{count(len(drives))} drives in all: naive, in which the primary always drives; safe, in "
-        "which the reference drives where the safety policy says unsafe; and optimal, where there "
-        "are such, in which it drives where the primary truly deviates. In brackets are 95 % "
-        "intervals, by bootstrap over seeds and starts. "
-        "A number without brackets has an interval that is no wider than its last digit. "
-        f"{'With one seed, no interval says how far another would be off. ' if alone else ''}"
-        f"{_commands(experiment)} What is not there yet is under "
-        "[What is missing](#what-is-missing)."
-    )
-
-
-def _commands(experiment: Experiment) -> str:
-    """That reproduce each seed."""
-    commands = ", ".join(f"`make experiment SEED={seed}`" for seed in experiment.seeds)
-    if experiment.runs == [OURS]:
-        return (
-            "Each seed again: `make repro`, with this `seed` in `params.yaml`; with all strategies "
-            f"beside each other, {commands}."
-        )
-    return f"Each seed again: {commands}."
-
-
-def _seeds(seeds: list[int]) -> str:
-    return f"seed{'s' if len(seeds) > 1 else ''} {', '.join(map(str, seeds))}"

@@ -39,7 +39,7 @@ TITLES = {
     "takeover": ("Takeover", "share of frames"),
 }
 """Of a metric: its title, and that of its axis."""
-ASKED = "queries so far, log scale"
+ASKED = "queries of the loop so far, log scale"
 PLACES: dict[str, Callable[[Experiment, Step], float]] = {
     "iteration": lambda _, step: step.iteration,
     ASKED: lambda experiment, step: experiment.queries(step.seed, step.run, step.iteration),

@@ -1,18 +1,19 @@
 """The report: markdown made from all metrics, every verdict, every number and every gap."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 from pipeline.evaluation import safety_tables, tables
+from pipeline.evaluation.basis import basis, cost
 from pipeline.evaluation.experiment import VARIANTS, Experiment
 from pipeline.evaluation.gaps import gaps
-from pipeline.evaluation.headline import OURS, basis, cost, headline
+from pipeline.evaluation.headline import OURS, headline, standing
 from pipeline.evaluation.material import Material
 from pipeline.evaluation.scratch import warm_or_scratch
 from pipeline.evaluation.shortfalls import falls_short
 from pipeline.evaluation.summary import LAPS
 from pipeline.evaluation.track_table import by_track
-from pipeline.evaluation.verdicts import verdicts
+from pipeline.evaluation.verdicts import Verdict, verdicts
 from pipeline.evaluation.wording import table
 from pipeline.policies.driving import STANDSTILL
 
@@ -34,14 +35,16 @@ class Pictures:
 def render_report(material: Material, pictures: Pictures) -> str:
     """The report as markdown."""
     experiment = material.experiment
+    judged = verdicts(experiment)
     sections = [
         "# SafeDAgger: the result",
+        standing(judged),
         headline(material),
         *_result(pictures),
         cost(material),
         basis(material),
         "## Claims of the paper",
-        _claims(experiment),
+        _claims(judged),
         "## Over the iterations",
         "Bars are 95 % intervals. Over the iterations lines stand a little apart, so that equal ones "
         "stay visible; over queries and frames only their bars do.",
@@ -66,10 +69,10 @@ def _result(pictures: Pictures) -> Iterator[str]:
         yield f"![Naive laps against queries, and takeover]({pictures.result})"
 
 
-def _claims(experiment: Experiment) -> str:
+def _claims(judged: Sequence[Verdict]) -> str:
     rows = [
         [one.claim, one.verdict if one.verdict == "holds" else f"**{one.verdict}**", one.evidence]
-        for one in verdicts(experiment)
+        for one in judged
     ]
     return table(["Claim", "Verdict", "Numbers"], rows, words=3)
 

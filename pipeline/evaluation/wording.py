@@ -37,6 +37,11 @@ def count(value: int) -> str:
     return f"{value:,}"
 
 
+def seeds_in_words(seeds: list[int]) -> str:
+    """In the order given."""
+    return f"seed{'s' if len(seeds) > 1 else ''} {', '.join(map(str, seeds))}"
+
+
 def interval(found: Estimate | None, form: Callable[[float], str]) -> str:
     """A value with its 95 % interval."""
     if found is None:

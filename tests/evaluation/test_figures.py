@@ -77,17 +77,19 @@ def test_every_panel_has_its_labels_and_every_line_its_legend(name: str, whole: 
     }
 
 
-def test_the_result_shows_laps_against_queries_and_the_takeover_in_traffic() -> None:
+def test_the_result_shows_laps_against_queries_and_the_takeover() -> None:
     """Of SafeDAgger alone, and beside DAgger."""
     alone = panels(result(experiment({"safedagger": GROWING})))
     assert list(alone) == [
-        ("Laps: naive, no traffic", "queries so far, log scale"),
-        ("Laps: naive, traffic", "queries so far, log scale"),
+        ("Laps: naive, no traffic", "queries of the loop so far, log scale"),
+        ("Laps: naive, traffic", "queries of the loop so far, log scale"),
+        ("Takeover: safe, no traffic", "iteration"),
         ("Takeover: safe, traffic", "iteration"),
     ]
-    laps, in_traffic, takeovers = (curves(axes) for axes in alone.values())
+    laps, in_traffic, alone_on_the_road, takeovers = (curves(axes) for axes in alone.values())
     assert laps == {"SafeDAgger": [(0, 2.0), (3000, 2.5), (6000, 3.0), (7000, 3.0)]}
     assert [y for _, y in in_traffic["SafeDAgger (traffic)"]] == [1.5, 2.0, 2.8, 3.0]
+    assert [y for _, y in alone_on_the_road["SafeDAgger"]] == [0.08, 0.05, 0.04, 0.02]
     assert [y for _, y in takeovers["SafeDAgger (traffic)"]] == [0.2, 0.15, 0.1, 0.05]
     both = panels(result(experiment({"safedagger": GROWING, "dagger": SLOW})))
     assert {len(curves(axes)) for axes in both.values()} == {2}
@@ -145,7 +147,9 @@ def test_laps_stand_over_the_mean_cost_of_the_seeds() -> None:
         return replace(step, ledger=replace(step.ledger, queries=queries, frames_trained=trained))
 
     shown = panels(cost(changed(made_up, dearer), TRAINING))
-    asked = curves(shown["Laps: naive, no traffic", "queries so far, log scale"])["DAgger"]
+    asked = curves(shown["Laps: naive, no traffic", "queries of the loop so far, log scale"])[
+        "DAgger"
+    ]
     assert [x for x, _ in asked] == [0, 15_500, 31_500, 38_000]
     trained = curves(shown["Laps: naive, no traffic", "frames trained on"])["DAgger"]
     assert [x for x, _ in trained] == [2100, 2200, 2300, 2400]

@@ -59,7 +59,7 @@ def test_what_a_line_cost_is_where_it_is_on_x(whole: Experiment) -> None:
 
 def test_the_scale_of_the_queries_has_room_for_none_and_grows_by_factors() -> None:
     axes = panels(cost(experiment({"dagger": SLOW, "safedagger": GROWING}), TRAINING))[
-        "Laps: naive, traffic", "queries so far, log scale"
+        "Laps: naive, traffic", "queries of the loop so far, log scale"
     ]
     nothing, first, double, four = axes.transData.transform(
         [(x, 1.0) for x in (0, 3000, 6000, 12_000)]

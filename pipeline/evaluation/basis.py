@@ -1,0 +1,66 @@
+"""What the report rests on, in sentences: what was asked, what was driven, and how to get it again."""
+
+from statistics import fmean
+
+from pipeline.evaluation import tables
+from pipeline.evaluation.experiment import RUNS, Experiment
+from pipeline.evaluation.headline import OURS
+from pipeline.evaluation.material import Material
+from pipeline.evaluation.wording import count, seeds_in_words
+
+
+def cost(material: Material) -> str:
+    """Queries of the loop and outside it, and, apart, what was asked only to measure."""
+    experiment = material.experiment
+    run = OURS if OURS in experiment.runs else experiment.runs[0]
+    last = experiment.iterations(run)[-1]
+    queries, driven, _, trained = tables.spent(experiment, run, last)
+    d_0 = fmean(step.ledger.queries for step in experiment.of(run, 0))
+    d_safe = fmean(ledger.queries for ledger in material.d_safe.values())
+    # whether the reference drives or is only looked up, each frame's deviation is known
+    loop = [step.ledger for step in experiment.steps.values() if step.iteration]
+    in_rollouts = sum(ledger.frames_driven - ledger.queries for ledger in loop)
+    in_evaluation = sum(drive.primary_frames for step in material.driven for drive in step.drives)
+    mean = ", on average" if len(experiment.of(run, last)) > 1 else ""
+    spent = [count(round(number)) for number in (queries, driven, d_0, d_safe, trained)]
+    return (
+        f"**Cost.** The loop of {RUNS[run]} asked {spent[0]} queries a seed{mean}, in {spent[1]} "
+        f"frames driven, after {spent[2]} queries for D_0 and {spent[3]} for D_safe; its last "
+        f"primary was trained on {spent[4]} frames. Only to measure, never to drive or to train, "
+        f"the reference was asked in {count(in_rollouts)} frames of rollouts and "
+        f"{count(in_evaluation)} of evaluation, all runs and seeds together."
+    )
+
+
+def basis(material: Material) -> str:
+    """What everything rests on, and how to get it again."""
+    experiment = material.experiment
+    steps = list(material.driven)
+    drives = [drive for step in steps for drive in step.drives]
+    starts = sorted({len({drive.start for drive in step.drives}) for step in steps})
+    cars = sorted({drive.traffic for drive in drives if drive.traffic})
+    alone = len(experiment.seeds) == 1
+    return (
+        f"**Basis.** {seeds_in_words(experiment.seeds).capitalize()}. Test tracks: "
+        f"{', '.join(sorted({drive.track for drive in drives}))}. Starts on each: "
+        f"{' or '.join(map(str, starts))}. Traffic: {' or '.join(map(str, cars)) or 'no'} cars. "
+        f"{count(len(drives))} drives in all: naive, in which the primary always drives; safe, in "
+        "which the reference drives where the safety policy says unsafe; and optimal, where there "
+        "are such, in which it drives where the primary truly deviates. In brackets are 95 % "
+        "intervals, by bootstrap over seeds and starts. "
+        "A number without brackets has an interval that is no wider than its last digit. "
+        f"{'With one seed, no interval says how far another would be off. ' if alone else ''}"
+        f"{_commands(experiment)} What is not there yet is under "
+        "[What is missing](#what-is-missing)."
+    )
+
+
+def _commands(experiment: Experiment) -> str:
+    """That reproduce each seed."""
+    commands = ", ".join(f"`make experiment SEED={seed}`" for seed in experiment.seeds)
+    if experiment.runs == [OURS]:
+        return (
+            "Each seed again: `make repro`, with this `seed` in `params.yaml`; with all strategies "
+            f"beside each other, {commands}."
+        )
+    return f"Each seed again: {commands}."
