@@ -49,7 +49,6 @@ METRICS = {
         ratio_of_sums, lambda drive: (drive.takeover_frames, drive.takeovers)
     ),
     "switches_per_lap": Metric(ratio_of_sums, lambda drive: (drive.switches, drive.laps)),
-    "off_road": Metric(ratio_of_sums, lambda drive: (drive.off_road, 1)),
 }
 """Those of `Performance`, by their names there, and the interquartile mean of the laps."""
 

@@ -5,7 +5,7 @@ from collections.abc import Callable, Iterator
 from pipeline.evaluation.experiment import RUNS, Experiment
 from pipeline.evaluation.outcomes import Outcome
 from pipeline.evaluation.summary import CONDITIONS, LAPS
-from pipeline.evaluation.wording import table
+from pipeline.evaluation.wording import NOTHING, table
 from pipeline.policies.strategies import DRIVING, Strategy
 
 
@@ -51,4 +51,6 @@ def _rows(experiment: Experiment, strategy: Strategy) -> Iterator[list[str]]:
 
 def _counts(groups: list[list[Outcome]], ending: Callable[[Outcome], bool]) -> str:
     """Without and with traffic."""
-    return " / ".join(f"{sum(map(ending, drives))} of {len(drives)}" for drives in groups)
+    return " / ".join(
+        f"{sum(map(ending, drives))} of {len(drives)}" if drives else NOTHING for drives in groups
+    )

@@ -5,9 +5,11 @@ from dataclasses import dataclass
 
 from pipeline.evaluation import safety_tables, tables
 from pipeline.evaluation.basis import basis, cost
+from pipeline.evaluation.endings import endings
 from pipeline.evaluation.experiment import VARIANTS, Experiment
 from pipeline.evaluation.gaps import gaps
 from pipeline.evaluation.headline import OURS, headline, standing
+from pipeline.evaluation.limits import limits
 from pipeline.evaluation.material import Material
 from pipeline.evaluation.scratch import warm_or_scratch
 from pipeline.evaluation.shortfalls import falls_short
@@ -59,7 +61,8 @@ def render_report(material: Material, pictures: Pictures) -> str:
         *(_of_seeds(title, places) for title, places in pictures.by_seed.items() if places),
         *(f"![{title}]({place})" for title, place in pictures.tracks.items()),
         "## What is missing",
-        "\n".join(f"- {gap}" for gap in gaps(material, pictures.by_seed)) or "Nothing.",
+        "\n".join(f"- {gap}" for gap in gaps(material, pictures.by_seed))
+        or "No run, seed or picture is missing.",
     ]
     return "\n\n".join(sections) + "\n"
 
@@ -88,7 +91,14 @@ def _numbers(material: Material) -> Iterator[str]:
         "speed of each touch, in m²/s² per lap driven. The steering MSE is per frame that the primary "
         "drove, full lock = 1. Takeover is the share of the frames that the reference drove."
     )
-    yield from (tables.driving(experiment, metric) for metric in tables.METRICS)
+    first, *others = tables.METRICS
+    yield tables.driving(experiment, first)
+    yield (
+        "How the drives ended that did not do all laps, in counts. On the road they stopped because "
+        "they stood still or were out of time. Rows in which all drives did all laps are left out."
+    )
+    yield from endings(experiment)
+    yield from (tables.driving(experiment, metric) for metric in others)
     yield "### What it cost"
     yield (
         "A query is a frame in which the reference was asked for an action to drive or to train "
@@ -130,6 +140,7 @@ def _shortfalls(experiment: Experiment) -> Iterator[str]:
     if OURS in experiment.runs:
         yield "## Where SafeDAgger falls short"
         yield falls_short(experiment.of(OURS, experiment.iterations(OURS)[-1]))
+        yield from filter(None, [limits(experiment)])
 
 
 def _of_seeds(title: str, places: Mapping[int, str]) -> str:

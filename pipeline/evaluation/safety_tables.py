@@ -30,7 +30,7 @@ def safety(experiment: Experiment) -> str:
         held_out = [step.held_out for step in steps]
         rollouts = [step.next_rollout for step in steps]
         measures = [
-            f"{form(_mean(held_out, name))} / {form(_mean(rollouts, name))}"
+            f"{form(mean_quality(held_out, name))} / {form(mean_quality(rollouts, name))}"
             for name, (_, form) in QUALITY.items()
         ]
         return [", ".join(f"{tau:g}" for tau in taus), *measures]
@@ -44,7 +44,7 @@ def thresholds(found: Mapping[float, Experiment]) -> str:
     """The supervised primary under the safe strategy, a row for each tau."""
     rows = []
     for tau, experiment in found.items():
-        unsafe = _mean([step.held_out for step in experiment.of(RUN, 0)], "share_unsafe")
+        unsafe = mean_quality([step.held_out for step in experiment.of(RUN, 0)], "share_unsafe")
         cells = [" / ".join(estimates(experiment, metric, RUN, 0, SAFE)) for metric in BY_TAU]
         rows.append([f"{tau:g}", ", ".join(map(str, experiment.seeds)), share(unsafe), *cells])
     header = ["tau", "Seeds", "Truly unsafe", *(METRICS[metric][0] for metric in BY_TAU)]
@@ -69,8 +69,8 @@ def errors(found: Mapping[int, ErrorShares]) -> str:
     return table(header, rows)
 
 
-def _mean(qualities: Iterable[SafetyQuality | None], name: str) -> float | None:
-    """Over those in which it is defined; None where it is in none."""
+def mean_quality(qualities: Iterable[SafetyQuality | None], name: str) -> float | None:
+    """One of QUALITY, over those in which it is defined; None where it is in none."""
     values = [getattr(each, name) for each in qualities if each]
     known = [value for value in values if value is not None]
     return fmean(known) if known else None

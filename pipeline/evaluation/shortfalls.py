@@ -3,6 +3,7 @@
 from collections import defaultdict
 from dataclasses import dataclass
 
+from pipeline.evaluation.endings import left_the_road, stopped_short
 from pipeline.evaluation.experiment import Step
 from pipeline.evaluation.outcomes import Outcome
 from pipeline.evaluation.summary import LAPS, Performance, condition, measure
@@ -19,9 +20,9 @@ class Shortfall:
     track: str
     performance: Performance
     left: int
-    """drives that ended by leaving the road"""
-    stuck: int
-    """drives that ended on the road before LAPS were done: stood still, or out of time"""
+    """drives that left the road"""
+    stopped: int
+    """drives that stopped short on it"""
     hit: int
     """drives with damage"""
 
@@ -30,10 +31,10 @@ def falls_short(steps: list[Step]) -> str:
     """The shortfalls of one step on each seed, in words and as a table."""
     cases = [case for step in steps for case in _cases(step)]
     found = [case for case in cases if case.performance.laps < LAPS or case.hit]
-    where = f"After iteration {steps[0].iteration}"
+    where = f"In the drives after iteration {steps[0].iteration}"
     if not found:
         return (
-            f"Nowhere. {where}, there are {LAPS:g} laps without damage in each of {len(cases)} "
+            f"{where}: in no case. There are {LAPS:g} laps without damage in each of {len(cases)} "
             "cases of seed, driving strategy, traffic and track."
         )
     rows = [
@@ -42,17 +43,17 @@ def falls_short(steps: list[Step]) -> str:
             f"{case.strategy}, {CONDITION_WORDS[case.condition]}, {case.track}",
             laps(case.performance.laps),
             amount(case.performance.damage_per_lap),
-            *(f"{n} of {case.performance.drives}" for n in (case.left, case.stuck, case.hit)),
+            *(f"{n} of {case.performance.drives}" for n in (case.left, case.stopped, case.hit)),
         ]
         for case in found
     ]
     header = ["Seed", "Case", "Laps", "Damage per lap", "Left the road", "Stopped short", "Hit"]
-    left, stuck = sum(case.left for case in found), sum(case.stuck for case in found)
+    left, stopped = sum(case.left for case in found), sum(case.stopped for case in found)
     hit = sum(case.hit for case in found)
     return (
-        f"{where}, {len(found)} of {len(cases)} cases of seed, driving strategy, traffic and track "
-        f"have less than {LAPS:g} laps or some damage. Of the drives there, {left} ended by leaving "
-        f"the road, {stuck} stopped short on it (stood still, or ran out of time), and {hit} hit "
+        f"{where}: in {len(found)} of {len(cases)} cases of seed, driving strategy, traffic and "
+        f"track, with less than {LAPS:g} laps or some damage. Of the drives there, {left} ended by leaving "
+        f"the road, {stopped} stopped short on it (stood still, or ran out of time), and {hit} hit "
         f"another car.\n\n{table(header, rows, words=2)}"
     )
 
@@ -72,7 +73,7 @@ def _judge(seed: int, strategy: str, where: str, track: str, drives: list[Outcom
         where,
         track,
         measure(drives),
-        left=sum(drive.off_road for drive in drives),
-        stuck=sum(drive.laps < LAPS and not drive.off_road for drive in drives),
+        left=sum(map(left_the_road, drives)),
+        stopped=sum(map(stopped_short, drives)),
         hit=sum(drive.damage > 0 for drive in drives),
     )

@@ -14,7 +14,6 @@ from pipeline.policies.strategies import DRIVING, Strategy
 NAIVE, SAFE, OPTIMAL = DRIVING
 METRICS: dict[str, tuple[str, Callable[[float], str], tuple[Strategy, ...]]] = {
     "laps": ("Laps", laps, DRIVING),
-    "off_road": ("Left the road", share, DRIVING),
     "damage_per_lap": ("Damage per lap", amount, DRIVING),
     "steering_mse": ("Steering MSE", amount, (NAIVE, SAFE)),
     "takeover": ("Takeover", share, (SAFE, OPTIMAL)),

@@ -37,20 +37,24 @@ def test_the_first_screen_compares_laps_and_queries() -> None:
         "10, 11, 12, 13), 0 do not hold, 0 are undecided."
     )
     assert headline.splitlines() == [
-        "- After supervised training alone, the primary, driven naively, completes 2.00 of 3 laps "
-        "without traffic and 1.50 with traffic.",
-        "- After iteration 3 of SafeDAgger, at 7,000 queries, it completes 3.00 and 3.00. All 24 "
-        "naive drives did 3 laps first after iteration 3, at 7,000 queries. With the safe strategy it completes 3.00 and 3.00, the reference driving 2.0 % and 5.0 % of the "
+        "- After supervised training alone, the primary, driven naively, completes 2.00 of 3 "
+        "laps without traffic and 1.50 with traffic.",
+        "- After iteration 3 of SafeDAgger, at 7,000 queries, it completes 3.00 and 3.00. All "
+        "24 naive drives did 3 laps first after iteration 3, at 7,000 queries. With the safe "
+        "strategy it completes 3.00 and 3.00, the reference driving 2.0 % and 5.0 % of the "
         "time; before the loop it was 8.0 % and 20.0 %.",
         "- After iteration 3 of DAgger, at 35,000 queries, it completes 2.40 and 2.10. After no "
-        "iteration did all naive drives do 3 laps. SafeDAgger asked 5.0 times fewer queries in the loop; with D_0, and D_safe that only it needs, 2.4 times "
-        "fewer labels (15,600 against 38,000).",
-        "- After iteration 3 of DAgger, SafeDAgger's queries, at 9,000 queries, it completes 2.40 "
-        "and 2.10. After no iteration did all naive drives do 3 laps. SafeDAgger asked 1.3 times "
-        "fewer queries in the loop; with D_0, and D_safe that only it needs, 1.3 times as many labels (15,600 against 12,000).",
-        "- After iteration 3 of supervised, at 35,000 queries, it completes 2.40 and 2.10. After no "
-        "iteration did all naive drives do 3 laps. SafeDAgger asked 5.0 times fewer queries in the loop; "
-        "with D_0, and D_safe that only it needs, 2.4 times fewer labels (15,600 against 38,000).",
+        "iteration did all naive drives do 3 laps. SafeDAgger asked 5.0 times fewer queries in "
+        "the loop; with D_0, and D_safe that only it needs, 2.4 times fewer labels (15,600 "
+        "against 38,000).",
+        "- After iteration 3 of DAgger, SafeDAgger's queries, at 9,000 queries, it completes "
+        "2.40 and 2.10. After no iteration did all naive drives do 3 laps. SafeDAgger asked 1.3 "
+        "times fewer queries in the loop; with D_0, and D_safe that only it needs, 1.3 times as "
+        "many labels (15,600 against 12,000).",
+        "- After iteration 3 of supervised, at 35,000 queries, it completes 2.40 and 2.10. "
+        "After no iteration did all naive drives do 3 laps. SafeDAgger asked 5.0 times fewer "
+        "queries in the loop; with D_0, and D_safe that only it needs, 2.4 times fewer labels "
+        "(15,600 against 38,000).",
     ]
     assert picture.endswith("(figures/result.png)")
     assert cost.startswith("**Cost.**")
@@ -192,12 +196,12 @@ def test_sections_come_in_order_and_without_runs_they_are_left_out() -> None:
 def test_shortfalls_are_those_of_the_last_iteration_on_every_seed() -> None:
     made_up = experiment({"safedagger": ending(GROWING, laps=(3.0, 2.0)), "dagger": SLOW}, seeds=2)
     text = section(report(made_up), "Where SafeDAgger falls short")
-    assert "After iteration 3, 6 of 24 cases" in text
+    assert "In the drives after iteration 3: in 6 of 24 cases" in text
     assert "| 1 | naive, with traffic, yew | 2.00 | 0 | 4 of 4 | 0 of 4 | 0 of 4 |" in text
     perfect = section(
         report(experiment({"safedagger": [*GROWING, FULL]})), "Where SafeDAgger falls short"
     )
-    assert perfect.strip().startswith("Nowhere. After iteration 4,")
+    assert perfect.strip().startswith("In the drives after iteration 4: in no case.")
 
 
 def test_figures_are_shown_under_their_titles() -> None:
@@ -230,7 +234,10 @@ def test_nothing_is_missing_of_a_whole_experiment() -> None:
         "thresholds": {0.01: whole},
         "scratch": Experiment({(0, "scratch", 3): whole.steps[0, "dagger", 3]}),
     }
-    assert section(report(whole, **beside), "What is missing").strip() == "Nothing."
+    assert (
+        section(report(whole, **beside), "What is missing").strip()
+        == "No run, seed or picture is missing."
+    )
 
 
 def test_what_is_missing_is_named() -> None:

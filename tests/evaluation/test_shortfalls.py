@@ -27,7 +27,7 @@ def steps(*changes: tuple[int, str, int, int, dict]) -> list[Step]:
 
 def test_nowhere() -> None:
     assert falls_short(steps()) == (
-        "Nowhere. After iteration 1, there are 3 laps without damage in each of 24 cases of seed, "
+        "In the drives after iteration 1: in no case. There are 3 laps without damage in each of 24 cases of seed, "
         "driving strategy, traffic and track."
     )
 
@@ -40,7 +40,7 @@ def test_every_case_is_listed_with_how_its_drives_ended() -> None:
             (0, "spruce", 1, 1, {"damage": 7.0}),
         )
     )
-    assert text.startswith("After iteration 1, 2 of 24 cases of seed,")
+    assert text.startswith("In the drives after iteration 1: in 2 of 24 cases of seed,")
     assert "1 ended by leaving the road, 1 stopped short on it" in text
     assert "and 1 hit another car." in text
     assert text.splitlines()[-2:] == [
