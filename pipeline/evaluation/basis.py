@@ -1,11 +1,13 @@
 """What the report rests on, in sentences: what was asked, what was driven, and how to get it again."""
 
+from collections import Counter
 from statistics import fmean
 
 from pipeline.evaluation import tables
 from pipeline.evaluation.experiment import RUNS, Experiment
 from pipeline.evaluation.headline import OURS
 from pipeline.evaluation.material import Material
+from pipeline.evaluation.summary import condition
 from pipeline.evaluation.wording import count, seeds_in_words
 
 
@@ -39,19 +41,36 @@ def basis(material: Material) -> str:
     drives = [drive for step in steps for drive in step.drives]
     starts = sorted({len({drive.start for drive in step.drives}) for step in steps})
     cars = sorted({drive.traffic for drive in drives if drive.traffic})
-    alone = len(experiment.seeds) == 1
     return (
         f"**Basis.** {seeds_in_words(experiment.seeds).capitalize()}. Test tracks: "
         f"{', '.join(sorted({drive.track for drive in drives}))}. Starts on each: "
         f"{' or '.join(map(str, starts))}. Traffic: {' or '.join(map(str, cars)) or 'no'} cars. "
         f"{count(len(drives))} drives in all: naive, in which the primary always drives; safe, in "
         "which the reference drives where the safety policy says unsafe; and optimal, where there "
-        "are such, in which it drives where the primary truly deviates. In brackets are 95 % "
-        "intervals, by bootstrap over seeds and starts. "
-        "A number without brackets has an interval that is no wider than its last digit. "
-        f"{'With one seed, no interval says how far another would be off. ' if alone else ''}"
-        f"{_commands(experiment)} What is not there yet is under "
-        "[What is missing](#what-is-missing)."
+        "are such, in which it drives where the primary truly deviates. "
+        f"{_commands(experiment)} Runs, seeds and pictures that are not there are "
+        "under [What is missing](#what-is-missing)."
+    )
+
+
+def certainty(experiment: Experiment) -> str:
+    """What the intervals say, and what they cannot say."""
+    cells = Counter(
+        (step.run, step.iteration, drive.strategy, condition(drive))
+        for step in experiment.steps.values()
+        for drive in step.drives
+    )
+    most = max(cells.values())
+    allowed = 1 - 0.05 ** (1 / most)  # the share of failures that n drives hide once in 20 times
+    alone = len(experiment.seeds) == 1
+    return (
+        "**Intervals.** In brackets are 95 % intervals, by bootstrap over seeds and starts; a metric "
+        f"in an iteration and condition rests on {most} drives at most, hence they are wide. A number "
+        "without brackets has an interval that is no wider than its last digit, which is not "
+        "certainty: resampling cannot show a failure that did not happen. "
+        f"{most} drives that all went well still allow that {100 * allowed:.0f} % would fail (at "
+        "95 %; about 3/n for n drives)."
+        f"{' With one seed, no interval says how far another would be off.' if alone else ''}"
     )
 
 

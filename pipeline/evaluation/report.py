@@ -4,13 +4,14 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 from pipeline.evaluation import safety_tables, tables
-from pipeline.evaluation.basis import basis, cost
+from pipeline.evaluation.basis import basis, certainty, cost
 from pipeline.evaluation.endings import endings
 from pipeline.evaluation.experiment import VARIANTS, Experiment
 from pipeline.evaluation.gaps import gaps
 from pipeline.evaluation.headline import OURS, headline, standing
 from pipeline.evaluation.limits import limits
 from pipeline.evaluation.material import Material
+from pipeline.evaluation.runs import runs
 from pipeline.evaluation.scratch import warm_or_scratch
 from pipeline.evaluation.shortfalls import falls_short
 from pipeline.evaluation.summary import LAPS
@@ -45,6 +46,9 @@ def render_report(material: Material, pictures: Pictures) -> str:
         *_result(pictures),
         cost(material),
         basis(material),
+        certainty(experiment),
+        "**Runs.** Each begins with the same D_0, and with a supervised primary trained on it:",
+        runs(experiment),
         "## Claims of the paper",
         _claims(judged),
         "## Over the iterations",
@@ -89,7 +93,9 @@ def _numbers(material: Material) -> Iterator[str]:
         f"the drives, {LAPS:g} at most, cut to two digits; a drive is halted when it leaves the road, "
         f"has stood still for {STANDSTILL:g} s or is out of time. Damage is half the squared closing "
         "speed of each touch, in m²/s² per lap driven. The steering MSE is per frame that the primary "
-        "drove, full lock = 1. Takeover is the share of the frames that the reference drove."
+        "drove, full lock = 1. A frame is one decision: whoever drives is asked once, and the action "
+        "is held until the next. Takeover is the share of the frames that the reference drove; a "
+        "switch is a change of driver from one frame to the next, either way."
     )
     first, *others = tables.METRICS
     yield tables.driving(experiment, first)
