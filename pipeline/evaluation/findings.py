@@ -5,7 +5,7 @@ as in the paper: an interquartile mean would leave out the quarter of the drives
 """
 
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from pipeline.evaluation.comparison import Cell, Contrast, contrast
 from pipeline.evaluation.experiment import Experiment
@@ -16,6 +16,10 @@ MARGIN = 0.1
 """[laps] a smaller difference counts as none, where that is the question"""
 PAIRS = 6
 """fewer prove nothing: of five, all point the same way by chance once in sixteen times"""
+
+
+WORDS = {True: "holds", False: "does not hold", None: "undecided"}
+"""for what is found"""
 
 
 @dataclass(frozen=True)
@@ -39,7 +43,10 @@ class Finding:
 
     holds: bool | None
     """None: open"""
+    observed: str
+    """what decides, with its number"""
     evidence: str
+    """all numbers"""
 
 
 type Judge = Callable[[Contrast], bool | None]
@@ -65,17 +72,28 @@ def exceeds(found: Contrast) -> bool | None:
     return False if found.difference.high <= MARGIN else rises(found)
 
 
+def unknown(words: str) -> Finding:
+    """Open for want of data."""
+    return Finding(None, words, words)
+
+
 def opposite(finding: Finding) -> Finding:
     """Holds where the other does not."""
-    return Finding(None if finding.holds is None else not finding.holds, finding.evidence)
+    return replace(finding, holds=None if finding.holds is None else not finding.holds)
 
 
 def all_of(findings: Iterable[Finding]) -> Finding:
-    """Holds where all do; does not hold where one does not."""
+    """Holds where all do; does not hold where one does not. There is one at least."""
     parts = list(findings)
-    states = {part.holds for part in parts}
-    holds = False if False in states else True if states == {True} else None
-    return Finding(holds, "; ".join(part.evidence for part in parts))
+    counts = [sum(part.holds is state for part in parts) for state in (True, False)]
+    holds = False if counts[1] else True if counts[0] == len(parts) else None
+    decisive = next(part for part in parts if part.holds is holds)
+    what = ", such as" if holds else f"; {WORDS[holds]}:"
+    return Finding(
+        holds,
+        f"holds in {counts[0]} of {len(parts)} comparisons{what} {decisive.observed}",
+        "; ".join(part.evidence for part in parts),
+    )
 
 
 def compare(
@@ -84,12 +102,14 @@ def compare(
     """A metric in a cell against another, as the judge says; open where PAIRS are not there."""
     found = contrast(experiment, metric, cell, baseline)
     if found is None:
-        return Finding(None, f"{words}: not measured")
+        return unknown(f"{words}: not measured")
     form = FORMS[metric]
     gap = found.difference
     enough = gap.count >= PAIRS
+    values = f"{words}: {form.value(found.value)} against {form.value(found.baseline)}"
+    difference = interval(gap, form.difference)
     return Finding(
         judge(found) if enough else None,
-        f"{words}: {form.value(found.value)} against {form.value(found.baseline)} "
-        f"({interval(gap, form.difference)}, {gap.count} pairs{'' if enough else ': too few'})",
+        f"{values} ({difference})",
+        f"{values} ({difference}, {gap.count} pairs{'' if enough else ': too few'})",
     )

@@ -7,6 +7,7 @@ from pipeline.evaluation import safety_tables, tables
 from pipeline.evaluation.basis import basis, certainty, cost
 from pipeline.evaluation.endings import endings
 from pipeline.evaluation.experiment import VARIANTS, Experiment
+from pipeline.evaluation.findings import MARGIN, PAIRS
 from pipeline.evaluation.gaps import gaps
 from pipeline.evaluation.headline import OURS, headline, standing
 from pipeline.evaluation.limits import limits
@@ -50,7 +51,7 @@ def render_report(material: Material, pictures: Pictures) -> str:
         "**Runs.** Each begins with the same D_0, and with a supervised primary trained on it:",
         runs(experiment),
         "## Claims of the paper",
-        _claims(judged),
+        *_claims(judged),
         "## Over the iterations",
         "Bars are 95 % intervals. Over the iterations lines stand a little apart, so that equal ones "
         "stay visible; over queries and frames only their bars do.",
@@ -76,12 +77,26 @@ def _result(pictures: Pictures) -> Iterator[str]:
         yield f"![Naive laps against queries, and takeover]({pictures.result})"
 
 
-def _claims(judged: Sequence[Verdict]) -> str:
+def _claims(judged: Sequence[Verdict]) -> Iterator[str]:
+    """What decides each, in a table, and all numbers below it."""
+    yield (
+        f"A comparison is of {PAIRS} pairs of drives or more, with equal seeds, tracks and starts. It "
+        "is decided where the whole 95 % interval of the difference, in brackets, is on one side of "
+        f"0. But laps need not rise where all drives do {LAPS:g} in the end, and up to {MARGIN:g} laps "
+        "count as none where it is asked who gets further, or as far. Surely and possibly are by the "
+        "two ends of the interval."
+    )
     rows = [
-        [one.claim, one.verdict if one.verdict == "holds" else f"**{one.verdict}**", one.evidence]
-        for one in judged
+        [
+            f"{number}. {one.claim}",
+            one.verdict if one.verdict == "holds" else f"**{one.verdict}**",
+            one.observed,
+        ]
+        for number, one in enumerate(judged, 1)
     ]
-    return table(["Claim", "Verdict", "Numbers"], rows, words=3)
+    yield table(["Claim", "Verdict", "Observed"], rows, words=3)
+    yield "All numbers behind them, by claim:"
+    yield "\n".join(f"{number}. {one.evidence}" for number, one in enumerate(judged, 1))
 
 
 def _numbers(material: Material) -> Iterator[str]:

@@ -3,21 +3,20 @@
 import math
 from itertools import product
 
-from pipeline.evaluation.comparison import Cell, contrast, estimate
+from pipeline.evaluation.comparison import Cell
 from pipeline.evaluation.experiment import RUNS, Experiment
 from pipeline.evaluation.findings import (
-    MARGIN,
-    PAIRS,
     Finding,
     all_of,
     compare,
     exceeds,
     falls,
     rises_or_is_full,
+    unknown,
 )
 from pipeline.evaluation.outcomes import Outcome
 from pipeline.evaluation.summary import CONDITIONS, LAPS, condition
-from pipeline.evaluation.wording import CONDITION_WORDS, count, laps
+from pipeline.evaluation.wording import CONDITION_WORDS, laps, seeds_in_words
 from pipeline.policies.strategies import Strategy
 
 ITERATIONS = 3
@@ -39,34 +38,47 @@ def falls_short(experiment: Experiment) -> Finding:
     """On every seed, the supervised primary does less than LAPS naively on some test track, with or
     without traffic; does not hold where that is so on no seed.
     """
-    short, numbers = set(), []
+    short, shares, numbers = set(), [], []
     for seed in experiment.seeds:
         drives = _supervised(experiment, seed)
         if not drives:
-            return Finding(None, f"seed {seed}: not measured")
+            return unknown(f"seed {seed}: not measured")
         cases = {(drive.track, condition(drive)) for drive in drives}
         failed = {(drive.track, condition(drive)) for drive in drives if drive.laps < LAPS}
         worst = min(drives, key=lambda drive: (drive.laps, drive.track, drive.traffic))
         short.add(bool(failed))
+        shares.append(f"{len(failed)} of {len(cases)}")
         numbers.append(
-            f"seed {seed}: in {len(failed)} of {len(cases)} cases of track and traffic; worst is "
+            f"seed {seed}: in {shares[-1]} cases of track and traffic; worst is "
             f"{worst.track} {CONDITION_WORDS[condition(worst)]}, {laps(min(worst.laps, LAPS))} of "
             f"{LAPS:g} laps"
         )
-    return Finding(short.pop() if len(short) == 1 else None, "; ".join(numbers))
+    return Finding(
+        short.pop() if len(short) == 1 else None,
+        f"less than {LAPS:g} laps in {', '.join(shares)} cases of track and traffic "
+        f"({seeds_in_words(experiment.seeds)})",
+        "; ".join(numbers),
+    )
 
 
 def arrives_first(experiment: Experiment) -> Finding:
     """On every seed, all naive drives of SafeDAgger do LAPS after some iteration, and those of
     DAgger not yet; does not hold where that is so on no seed.
     """
-    first, numbers = set(), []
-    for seed in experiment.seeds:
-        ours, theirs = (_arrival(experiment, seed, run) for run in ("safedagger", "dagger"))
-        first.add(ours < theirs)
-        when = ["never" if i == math.inf else f"after iteration {i}" for i in (ours, theirs)]
-        numbers.append(f"seed {seed}: SafeDAgger {when[0]}, DAgger {when[1]}")
-    return Finding(first.pop() if len(first) == 1 else None, "; ".join(numbers))
+    arrivals = [
+        [_arrival(experiment, seed, run) for run in ("safedagger", "dagger")]
+        for seed in experiment.seeds
+    ]
+    sooner = [ours < theirs for ours, theirs in arrivals]
+    numbers = [
+        f"seed {seed}: SafeDAgger {_when(ours)}, DAgger {_when(theirs)}"
+        for seed, (ours, theirs) in zip(experiment.seeds, arrivals, strict=True)
+    ]
+    return Finding(
+        sooner[0] if len(set(sooner)) == 1 else None,
+        f"it does so on {sum(sooner)} of {len(sooner)} seeds",
+        "; ".join(numbers),
+    )
 
 
 def falls_faster(experiment: Experiment, metric: str, strategy: Strategy) -> Finding:
@@ -101,10 +113,10 @@ def is_ahead(experiment: Experiment, run: str, other: str) -> Finding:
     """
     return compare(
         experiment,
-        f"{RUNS[run]} against {RUNS[other]}, iteration {ITERATIONS}",
+        f"naive laps, {RUNS[run]} against {RUNS[other]}, iteration {ITERATIONS}",
         "laps",
-        _naive(run, ITERATIONS),
-        _naive(other, ITERATIONS),
+        naive(run, ITERATIONS),
+        naive(other, ITERATIONS),
         exceeds,
     )
 
@@ -130,30 +142,9 @@ def improves(experiment: Experiment, run: str) -> Finding:
     )
 
 
-def needs_fewer_queries(experiment: Experiment, rival: str) -> Finding:
-    """SafeDAgger gets as far as a rival at its best, for fewer queries of the loop.
-
-    The rival's best is the iteration of its loop with the most naive laps, over both conditions.
-    An iteration of SafeDAgger gets as far if its laps lack at most MARGIN to that: surely, by the
-    low end of the difference, or possibly, by the high end. Holds where one surely does for fewer
-    queries than the rival's best took; does not hold where none possibly does for fewer.
-    """
-    best = max(LOOP, key=lambda i: _laps(experiment, rival, i))
-    spent = _queries(experiment, rival, best)
-    surely = possibly = math.inf
-    for i in reversed(LOOP):  # queries only grow: the first iteration is the cheapest
-        gap = contrast(experiment, "laps", _naive("safedagger", i), _naive(rival, best))
-        if gap is None or gap.difference.count < PAIRS:
-            return Finding(None, f"fewer than {PAIRS} starts that both were given")
-        asked = _queries(experiment, "safedagger", i)
-        surely = asked if gap.difference.low >= -MARGIN else surely
-        possibly = asked if gap.difference.high >= -MARGIN else possibly
-    return Finding(
-        True if surely < spent else None if possibly < spent else False,
-        f"{RUNS[rival]} at its best: {laps(_laps(experiment, rival, best))} laps after "
-        f"{count(round(spent))} queries; SafeDAgger as far, within {MARGIN:g}: surely "
-        f"{_after(surely, spent)}, possibly {_after(possibly, spent)}",
-    )
+def naive(run: str, iteration: int) -> Cell:
+    """The naive drives of both conditions."""
+    return Cell(run, (iteration,), Strategy.NAIVE, CONDITIONS)
 
 
 def _supervised(experiment: Experiment, seed: int) -> list[Outcome]:
@@ -177,23 +168,5 @@ def _arrival(experiment: Experiment, seed: int, run: str) -> float:
     return math.inf
 
 
-def _naive(run: str, iteration: int) -> Cell:
-    return Cell(run, (iteration,), Strategy.NAIVE, CONDITIONS)
-
-
-def _laps(experiment: Experiment, run: str, iteration: int) -> float:
-    """Of the naive strategy, over both conditions; 0 where no start was given in both."""
-    found = estimate(experiment, "laps", _naive(run, iteration))
-    return found.value if found else 0.0
-
-
-def _queries(experiment: Experiment, run: str, iteration: int) -> float:
-    """Mean over the seeds."""
-    asked = [experiment.queries(seed, run, iteration) for seed in experiment.seeds]
-    return sum(asked) / len(asked)
-
-
-def _after(asked: float, spent: float) -> str:
-    if asked == math.inf:
-        return "never"
-    return f"after {count(round(asked))}" + (f" (factor {spent / asked:.1f})" if asked else "")
+def _when(iteration: float) -> str:
+    return "never" if iteration == math.inf else f"after iteration {iteration}"

@@ -1,18 +1,18 @@
 """What the paper claims (Sec. 3.3 and 5), each judged by the experiment."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import product
 
 from pipeline.evaluation import rules
 from pipeline.evaluation.comparison import Cell
 from pipeline.evaluation.experiment import RUNS, Experiment
-from pipeline.evaluation.findings import Finding, all_of, compare, falls, opposite, rises
+from pipeline.evaluation.findings import WORDS, Finding, all_of, compare, falls, opposite, rises
+from pipeline.evaluation.query_rule import needs_fewer_queries
 from pipeline.evaluation.summary import CONDITIONS, LAPS
 from pipeline.evaluation.wording import CONDITION_WORDS
 from pipeline.policies.strategies import Strategy
 
-WORDS = {True: "holds", False: "does not hold", None: "undecided"}
 SHOWN = 3  # of the cells that a claim about every cell does not hold in, or may not
 
 
@@ -23,7 +23,10 @@ class Verdict:
     claim: str
     verdict: str
     """one of WORDS"""
+    observed: str
+    """what decides it, in a sentence"""
     evidence: str
+    """all numbers"""
 
 
 @dataclass(frozen=True)
@@ -45,8 +48,9 @@ class Claim:
         steps = {key: step for key, step in experiment.steps.items() if key[0] in seeds}
         names = " and ".join(RUNS[run] for run in self.runs) or "any run"
         missing = f"no seed has iterations 0 to {rules.ITERATIONS} of {names}"
-        found = self.find(Experiment(steps)) if steps else Finding(None, missing)
-        return Verdict(self.words, WORDS[found.holds], found.evidence)
+        found = self.find(Experiment(steps)) if steps else Finding(None, missing, missing)
+        sentence = f"{found.observed[0].upper()}{found.observed[1:]}."
+        return Verdict(self.words, WORDS[found.holds], sentence, found.evidence)
 
 
 def verdicts(experiment: Experiment) -> list[Verdict]:
@@ -111,7 +115,7 @@ def safe_drives_as_far(experiment: Experiment) -> Finding:
     shown = [cell.evidence for cell in others[:SHOWN]]
     rest = [f"and {len(others) - SHOWN} more"] if len(others) > SHOWN else []
     surely = f"surely in {len(cells) - len(others)} of {len(cells)} cells"
-    return Finding(all_of(cells).holds, "; ".join([surely, *shown, *rest]))
+    return replace(all_of(cells), evidence="; ".join([surely, *shown, *rest]))
 
 
 @_claim(
@@ -204,21 +208,22 @@ def max_shows_the_trend(experiment: Experiment) -> Finding:
 
 
 @_claim(
-    "SafeDAgger needs fewer queries than DAgger to get as far, driven naively.",
+    "In the loop, without D_0 and D_safe, SafeDAgger needs fewer queries than DAgger to get as far, "
+    "driven naively.",
     "safedagger",
     "dagger",
 )
 def fewer_queries_than_dagger(experiment: Experiment) -> Finding:
-    """By `rules.needs_fewer_queries`."""
-    return rules.needs_fewer_queries(experiment, "dagger")
+    """By `needs_fewer_queries`."""
+    return needs_fewer_queries(experiment, "dagger")
 
 
 @_claim(
-    "SafeDAgger needs fewer queries to get as far, driven naively, than DAgger that was given as "
-    "many.",
+    "In the loop, without D_0 and D_safe, SafeDAgger needs fewer queries to get as far, driven "
+    "naively, than DAgger that was given as many.",
     "safedagger",
     "dagger_budget",
 )
 def fewer_queries_than_dagger_budget(experiment: Experiment) -> Finding:
-    """By `rules.needs_fewer_queries`."""
-    return rules.needs_fewer_queries(experiment, "dagger_budget")
+    """By `needs_fewer_queries`."""
+    return needs_fewer_queries(experiment, "dagger_budget")

@@ -168,9 +168,10 @@ def test_every_verdict_stands_with_its_numbers() -> None:
     text = section(report(made_up), "Claims of the paper")
     judged = verdicts(made_up)
     assert {each.verdict for each in judged} > {"holds"}
-    for each in judged:
+    for number, each in enumerate(judged, 1):
         words = each.verdict if each.verdict == "holds" else f"**{each.verdict}**"
-        assert f"| {each.claim} | {words} | {each.evidence} |" in text
+        assert f"| {number}. {each.claim} | {words} | {each.observed} |" in text
+        assert f"\n{number}. {each.evidence}\n" in text
 
 
 def test_sections_come_in_order_and_without_runs_they_are_left_out() -> None:

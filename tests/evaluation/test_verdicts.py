@@ -58,6 +58,7 @@ def test_of_many_cells_the_worst_are_named_first() -> None:
 
 
 PERFECT = Level(laps=(3.0, 3.0))
+UNSURE = {"takeover": (0.02, 0.2), "scatter": 0.5}
 DOES_NOT_HOLD: list[tuple[Claim, Table, str]] = [
     (
         claims.supervised_fails,
@@ -273,6 +274,35 @@ def test_seeds_without_the_whole_loop_do_not_count() -> None:
     steps[1, "safedagger", 2] = replace(step, drives=kept)
     judged = claims.supervised_stays_behind(Experiment(steps))
     assert judged == claims.supervised_stays_behind(experiment(GOOD))
+
+
+def test_what_is_observed_is_what_decides() -> None:
+    """Of several comparisons the first that is as the verdict, with its interval."""
+
+    def observed(claim: Claim, **changes: list[Level]) -> str:
+        return claim(experiment({**GOOD, **changes})).observed
+
+    assert observed(claims.shows_the_trend) == (
+        "Holds in 4 of 4 comparisons, such as without traffic, laps of naive, iteration 3 against 0: "
+        "3.00 against 2.00 (+1.00 [+1.00, +1.00])."
+    )
+    assert observed(claims.shows_the_trend, safedagger=ending(GROWING, laps=(3.0, 1.0))) == (
+        "Holds in 3 of 4 comparisons; does not hold: with traffic, laps of naive, iteration 3 against "
+        "0: 1.00 against 1.50 (-0.50 [-0.50, -0.50])."
+    )
+    open_one = observed(claims.shows_the_trend, safedagger=ending(GROWING, **UNSURE))
+    assert open_one.startswith("Holds in 2 of 4 comparisons; undecided: without traffic, laps of ")
+    assert observed(claims.supervised_fails) == (
+        "Less than 3 laps in 6 of 6 cases of track and traffic (seed 0)."
+    )
+    assert observed(claims.reaches_three_laps_first) == "It does so on 1 of 1 seeds."
+    assert (
+        observed(claims.reaches_three_laps_first, dagger=GROWING) == "It does so on 0 of 1 seeds."
+    )
+    assert observed(claims.fewer_queries_than_dagger) == (
+        "DAgger: 2.25 laps, its best, after 35,000 queries; SafeDAgger: as far surely after 3,000 "
+        "(factor 11.7), possibly after 3,000 (factor 11.7)."
+    )
 
 
 def test_three_drives_prove_nothing() -> None:
