@@ -6,7 +6,8 @@ from itertools import product
 from matplotlib.figure import Figure
 
 from pipeline.evaluation.experiment import RUNS, TRAINING, VARIANTS, Experiment
-from pipeline.evaluation.panels import ASKED, LABELS, Line, Panel, draw, is_driven
+from pipeline.evaluation.looks import LABELS
+from pipeline.evaluation.panels import ASKED, Line, Panel, draw
 from pipeline.evaluation.summary import CONDITIONS
 from pipeline.policies.strategies import Strategy
 
@@ -53,11 +54,12 @@ def result(experiment: Experiment) -> Figure | None:
 
 
 def driving(experiment: Experiment, runs: Sequence[str]) -> Figure | None:
-    """As the paper's Fig. 3; a row for each driving strategy and condition."""
+    """As the paper's Fig. 3."""
     panels = [
         Panel(f"{strategy}, {LABELS[where]}", metric, _lines(runs, strategy, where))
-        for strategy, where in product((Strategy.NAIVE, Strategy.SAFE), CONDITIONS)
+        for strategy in (Strategy.NAIVE, Strategy.SAFE)
         for metric in ("laps", "damage_per_lap", "steering_mse")
+        for where in CONDITIONS
     ]
     return draw(experiment, panels, columns=3)
 
@@ -81,15 +83,31 @@ def cost(experiment: Experiment, runs: Sequence[str]) -> Figure | None:
 
 
 def optimal(experiment: Experiment) -> Figure | None:
-    """The learned safety policies beside the optimal one; a row for each run that has it."""
-    compared = list(product((Strategy.SAFE, Strategy.OPTIMAL), CONDITIONS))
+    """The learned safety policies beside the optimal one; a row for each run whose loop has it."""
+    compared = (Strategy.SAFE, Strategy.OPTIMAL)
     panels = [
-        Panel(RUNS[run], metric, [Line(run, *case, key=case[0]) for case in compared])
+        Panel(
+            f"{RUNS[run]}, {LABELS[where]}",
+            metric,
+            [Line(run, strategy, where, key=strategy) for strategy in compared],
+        )
         for run in experiment.runs
-        if any(is_driven(experiment, Line(run, *case, key=run)) for case in compared[2:])
+        if _has_optimal(experiment, run)
         for metric in ("takeover", "laps")
+        for where in CONDITIONS
     ]
     return draw(experiment, panels, columns=2)
+
+
+def _has_optimal(experiment: Experiment, run: str) -> bool:
+    """In its loop: iteration 0 may be another run's too."""
+    return any(
+        step.drives_of(Strategy.OPTIMAL, where)
+        for iteration in experiment.iterations(run)
+        if iteration
+        for step in experiment.of(run, iteration)
+        for where in CONDITIONS
+    )
 
 
 def _lines(runs: Sequence[str], strategy: Strategy, where: str) -> list[Line]:

@@ -1,37 +1,25 @@
 """Panels of a figure: a metric of several runs, with 95 % intervals; gaps where there are none."""
 
+from collections import defaultdict
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Any
+from textwrap import fill
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.lines import Line2D
 from matplotlib.ticker import PercentFormatter
 from matplotlib.transforms import offset_copy
 
 from pipeline.evaluation.comparison import Cell, estimate
-from pipeline.evaluation.experiment import RUNS, Experiment, Step
-from pipeline.evaluation.summary import CONDITIONS, LAPS
+from pipeline.evaluation.experiment import Experiment, Step
+from pipeline.evaluation.looks import LOOKS, NAMES, legend, look
+from pipeline.evaluation.statistics import Estimate
+from pipeline.evaluation.summary import LAPS
+from pipeline.evaluation.tables import METRICS
 from pipeline.inspection.canvas import new_figure, styled
 from pipeline.policies.strategies import Strategy
 
-# colours that the colour-blind can tell, of different brightness within a panel, and markers
-LOOKS = {
-    "supervised": ("black", "D"),
-    "dagger": ("#d55e00", "o"),
-    "dagger_budget": ("#e69f00", "^"),
-    "safedagger": ("#0b4f8a", "s"),
-    "safedagger_last": ("#1a8a5a", "<"),
-    "safedagger_max": ("#cc79a7", ">"),
-    "safedagger_rising": ("#88ccee", "v"),
-    Strategy.SAFE: ("#0b4f8a", "s"),
-    Strategy.OPTIMAL: ("#e69f00", "D"),
-}
-DASHES = {"no_traffic": "-", "traffic": (0, (4, 2))}
-LABELS = {"no_traffic": "no traffic", "traffic": "traffic"}
-NAMES = RUNS | {Strategy.SAFE: "safe", Strategy.OPTIMAL: "optimal"}  # in the legend
 TITLES = {
     "laps": ("Laps", "laps"),
     "damage_per_lap": ("Damage", "m²/s² per lap"),
@@ -46,11 +34,11 @@ PLACES: dict[str, Callable[[Experiment, Step], float]] = {
     "frames trained on": lambda _, step: step.ledger.frames_trained,
 }
 """Where on x a step is; over several seeds, the mean."""
-SIZE = 5.0  # [points] of a marker
 # So that equal points stay visible, [points]: over the iterations, lines stand apart in x. Where x
 # is a cost, only intervals do, since no line may look cheaper: earlier ones have larger markers.
 APART = 3.0
 LARGER = 1.7
+WIDTH = 130  # [characters] of a line of text below the panels
 
 
 @dataclass(frozen=True)
@@ -79,49 +67,84 @@ class Panel:
     place: str = "iteration"
 
 
+type Curves = dict[Line, list[Estimate | None]]
+"""What is shown of each line, for each of its iterations"""
+
+
 def draw(experiment: Experiment, panels: Sequence[Panel], columns: int) -> Figure | None:
-    """The panels that have something to show, row by row; None where none has."""
-    drawn = [[line for line in panel.lines if is_driven(experiment, line)] for panel in panels]
-    shown = [(panel, lines) for panel, lines in zip(panels, drawn, strict=True) if lines]
+    """The panels in which something differs, row by row; None where there is none.
+
+    The others are named below them.
+    """
+    shown: list[tuple[Panel, Curves]] = []
+    same: dict[str, list[str]] = defaultdict(list)
+    for panel in panels:
+        curves = {
+            line: [estimate(experiment, panel.metric, cell) for cell in line.cells(experiment)]
+            for line in panel.lines
+            if _is_driven(experiment, line)
+        }
+        everywhere = _everywhere(curves)
+        if everywhere is not None:
+            value = METRICS[panel.metric][1](everywhere)
+            same[f"{TITLES[panel.metric][0]} {value}"].append(panel.title)
+        elif curves:
+            shown.append((panel, curves))
     if not shown:
         return None
     rows = -(-len(shown) // columns)
     with styled():
         figure = new_figure(10.0, 2.5 * rows + 0.8)
-        for number, (panel, lines) in enumerate(shown, 1):
+        for number, (panel, curves) in enumerate(shown, 1):
             axes = figure.add_subplot(rows, columns, number)
-            for place, line in enumerate(lines):
-                before, after = place, len(lines) - 1 - place
-                _draw(axes, experiment, panel, line, APART * (before - after) / 2, after)
+            for before, (line, found) in enumerate(curves.items()):
+                after = len(curves) - 1 - before
+                _draw(axes, experiment, panel, line, found, APART * (before - after) / 2, after)
             _frame(axes, panel)
-        handles = _legend([line for _, lines in shown for line in lines])
+        handles = legend(line.key for _, curves in shown for line in curves)
         figure.legend(handles=handles, loc="outside upper center", ncols=4, handlelength=3.2)
+        if same:
+            words = (f"{value}: {'; '.join(titles)}." for value, titles in same.items())
+            text = fill(f"Not drawn, as nothing differs. {' '.join(words)}", WIDTH)
+            figure.supxlabel(text, x=0.01, ha="left", fontsize="medium")
     return figure
 
 
-def is_driven(experiment: Experiment, line: Line) -> bool:
+def _is_driven(experiment: Experiment, line: Line) -> bool:
     """Whether there is anything to show of it."""
     return any(estimate(experiment, "laps", cell) for cell in line.cells(experiment))
 
 
+def _everywhere(curves: Curves) -> float | None:
+    """What all values and ends of intervals are; None where they differ, or one is missing."""
+    found = [one for curve in curves.values() for one in curve]
+    ends = {end for one in found if one for end in (one.low, one.value, one.high)}
+    return ends.pop() if len(ends) == 1 and None not in found else None
+
+
 def _draw(
-    axes: Axes, experiment: Experiment, panel: Panel, line: Line, shift: float, after: int
+    axes: Axes,
+    experiment: Experiment,
+    panel: Panel,
+    line: Line,
+    found: Sequence[Estimate | None],
+    shift: float,
+    after: int,
 ) -> None:
     """Values and intervals, `shift` [points] to the right; a gap where there are none. So many lines
     come `after` it.
     """
-    found = [estimate(experiment, panel.metric, cell) for cell in line.cells(experiment)]
     value, low, high = (
         [getattr(one, end) if one else np.nan for one in found] for end in ("value", "low", "high")
     )
     steps = [experiment.of(line.run, i) for i in experiment.iterations(line.run)]
     x = [np.mean([PLACES[panel.place](experiment, step) for step in seeds]) for seeds in steps]
-    look = _look(*LOOKS[line.key], line.condition)
+    style = look(*LOOKS[line.key], line.condition)
     is_cost = panel.place != "iteration"
     if is_cost:
-        look["markersize"] += LARGER * after
-    curve = axes.plot(x, value, label=NAMES[line.key], clip_on=False, zorder=3, **look)
-    bars = axes.vlines(x, low, high, look["color"], linewidth=0.9, clip_on=False)
+        style["markersize"] += LARGER * after
+    curve = axes.plot(x, value, label=NAMES[line.key], clip_on=False, zorder=3, **style)
+    bars = axes.vlines(x, low, high, style["color"], linewidth=0.9, clip_on=False)
     aside = offset_copy(axes.transData, axes.get_figure(root=True), shift, units="points")
     moved = [bars] if is_cost else [*curve, bars]
     for artist in moved:  # only now: the limits of the axes are those of the data
@@ -158,18 +181,3 @@ def _apart(first: float, last: float) -> list[float]:
         if factor * ticks[-1] <= x <= last / factor:
             ticks.append(x)
     return [*ticks, last] if factor * ticks[-1] <= last else ticks
-
-
-def _look(colour: str, marker: str, where: str) -> dict[str, Any]:
-    look = {"color": colour, "marker": marker, "markersize": SIZE, "linestyle": DASHES[where]}
-    return look | {"markerfacecolor": colour if where == "no_traffic" else "white"}
-
-
-def _legend(lines: Sequence[Line]) -> list[Line2D]:
-    """What colours, dashes and bars stand for."""
-    keys = dict.fromkeys(line.key for line in lines)
-    return [
-        *(Line2D([], [], label=NAMES[key], **_look(*LOOKS[key], "no_traffic")) for key in keys),
-        *(Line2D([], [], label=LABELS[c], **_look("0.4", "o", c)) for c in CONDITIONS),
-        Line2D([], [], color="0.4", marker="|", ms=12, linestyle="", label="95 % interval"),
-    ]

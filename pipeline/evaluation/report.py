@@ -54,7 +54,8 @@ def render_report(material: Material, pictures: Pictures) -> str:
         *_claims(judged),
         "## Over the iterations",
         "Bars are 95 % intervals. Over the iterations lines stand a little apart, so that equal ones "
-        "stay visible; over queries and frames only their bars do.",
+        "stay visible; over queries and frames only their bars do. Panels in which nothing differs are named "
+        "below the others.",
         *(f"{title}:\n\n![{title}]({place})" for title, place in pictures.figures.items()),
         "## In numbers",
         *_numbers(material),

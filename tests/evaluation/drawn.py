@@ -11,6 +11,12 @@ def panels(figure: Figure | None) -> dict[tuple[str, str], Axes]:
     return {(axes.get_title(loc="left"), axes.get_xlabel()): axes for axes in figure.axes}
 
 
+def words(figure: Figure | None) -> str:
+    """The text below the panels, in one line."""
+    assert figure is not None
+    return " ".join(text.get_text().replace("\n", " ") for text in figure.texts)
+
+
 def curves(axes: Axes) -> dict[str, list[tuple[float, float]]]:
     """Points, by the run or strategy that they are of; with traffic in brackets."""
     return {

@@ -22,8 +22,8 @@ from pipeline.evaluation.figures import (
 )
 from pipeline.evaluation.summary import condition
 from pipeline.inspection.canvas import png
-from tests.evaluation.drawn import curves, panels
-from tests.evaluation.made_up import FIRST, GROWING, SLOW, changed, experiment
+from tests.evaluation.drawn import curves, panels, words
+from tests.evaluation.made_up import FIRST, GROWING, SLOW, changed, experiment, with_optimal
 
 DRAW: dict[str, Callable[[Experiment], Figure | None]] = {
     "driving": partial(driving, runs=TRAINING),
@@ -52,7 +52,7 @@ def test_no_text_is_cut_off_or_in_the_way(name: str, whole: Experiment) -> None:
     assert figure is not None
     png(figure)
     width, height = figure.canvas.get_width_height()
-    boxes = [part.get_tightbbox() for part in [*figure.axes, *figure.legends]]
+    boxes = [part.get_tightbbox() for part in [*figure.axes, *figure.legends, *figure.texts]]
     for i, box in enumerate(boxes):
         assert box is not None
         assert box.x0 >= 0 and box.y0 >= 0 and box.x1 <= width and box.y1 <= height
@@ -107,27 +107,50 @@ def test_over_the_iterations_there_is_what_has_something_to_show(whole: Experime
 
 
 def test_driving_has_a_line_for_each_run_with_its_metric() -> None:
-    shown = panels(driving(experiment({"dagger": SLOW, "safedagger": GROWING}), TRAINING))
-    assert len(shown) == 2 * 2 * 3
+    figure = driving(experiment({"dagger": SLOW, "safedagger": GROWING}), TRAINING)
+    shown = panels(figure)
+    metrics = ("Laps: naive", "Steering MSE: naive", "Steering MSE: safe")
+    assert [title for title, _ in shown] == [
+        f"{each}, {where}" for each in metrics for where in ("no traffic", "traffic")
+    ]
+    assert words(figure) == (
+        "Not drawn, as nothing differs. Damage 0: naive, no traffic; naive, traffic; safe, no traffic; "
+        "safe, traffic. Laps 3.00: safe, no traffic; safe, traffic."
+    )
     assert curves(shown["Laps: naive, no traffic", "iteration"]) == {
         "SafeDAgger": [(0, 2.0), (1, 2.5), (2, 3.0), (3, 3.0)],
         "DAgger": [(0, 2.0), (1, 2.1), (2, 2.3), (3, 2.4)],
     }
     errors = curves(shown["Steering MSE: naive, traffic", "iteration"])
     assert [y for _, y in errors["SafeDAgger (traffic)"]] == [0.03, 0.02, 0.01, 0.006]
-    assert all(y == 3.0 for _, y in curves(shown["Laps: safe, no traffic", "iteration"])["DAgger"])
+
+
+def test_a_panel_is_drawn_as_soon_as_one_drive_differs() -> None:
+    """In one iteration of one run, by a hundredth of a lap."""
+
+    def slower(step: Step) -> Step:
+        drives = [
+            replace(d, laps=2.99) if (d.strategy, d.traffic, d.start) == ("safe", 0, 0) else d
+            for d in step.drives
+        ]
+        return replace(step, drives=drives) if (step.run, step.iteration) == ("dagger", 2) else step
+
+    figure = driving(changed(experiment({"dagger": SLOW, "safedagger": GROWING}), slower), TRAINING)
+    assert ("Laps: safe, no traffic", "iteration") in panels(figure)
+    assert words(figure).endswith("Laps 3.00: safe, traffic.")
 
 
 def test_damage_is_shown_per_lap() -> None:
-    hit = changed(
-        experiment({"dagger": SLOW}),
-        lambda step: replace(step, drives=[replace(d, damage=2 * d.laps) for d in step.drives]),
-    )
+    def damaged(step: Step) -> Step:
+        drives = [replace(d, damage=step.iteration * d.laps) for d in step.drives]
+        return replace(step, drives=drives)
+
+    hit = changed(experiment({"dagger": SLOW}), damaged)
     for where in ("no traffic", "traffic"):
         (points,) = curves(
             panels(driving(hit, TRAINING))[f"Damage: naive, {where}", "iteration"]
         ).values()
-        assert [y for _, y in points] == [2.0] * 4
+        assert [y for _, y in points] == [0.0, 1.0, 2.0, 3.0]
 
 
 def test_takeover_is_that_of_the_safe_strategy() -> None:
@@ -160,23 +183,26 @@ def test_the_optimal_safety_policy_is_shown_beside_the_learned_ones(whole: Exper
     shown = panels(optimal(whole))
     runs = [run for run in RUNS if run not in VARIANTS[1:]]
     assert [title for title, _ in shown] == [
-        f"{metric}: {RUNS[run]}" for run in runs for metric in ("Takeover", "Laps")
+        f"{metric}: {RUNS[run]}, {where}"
+        for run in runs
+        for metric in ("Takeover", "Laps")
+        for where in ("no traffic", "traffic")
     ]
-    points = curves(shown["Takeover: SafeDAgger", "iteration"])
-    assert points.keys() == {"safe", "safe (traffic)", "optimal", "optimal (traffic)"}
-    for where in ("", " (traffic)"):
-        learned, best = (np.array(points[each + where])[:, 1] for each in ("safe", "optimal"))
+    for where, dashed in (("no traffic", ""), ("traffic", " (traffic)")):
+        points = curves(shown[f"Takeover: SafeDAgger, {where}", "iteration"])
+        assert points.keys() == {f"safe{dashed}", f"optimal{dashed}"}
+        learned, best = (np.array(points[each + dashed])[:, 1] for each in ("safe", "optimal"))
         assert best == pytest.approx(learned / 2, rel=0.05)
 
 
 def test_only_what_is_there_is_drawn() -> None:
     """One run of two iterations, in which nobody met traffic."""
     alone = changed(
-        experiment({"supervised": [FIRST, FIRST]}, starts=1),
+        experiment({"supervised": SLOW[:2]}, starts=1),
         lambda step: replace(step, drives=[d for d in step.drives if condition(d) == "no_traffic"]),
     )
     figures = [driving(alone, TRAINING), takeover(alone, TRAINING), cost(alone, TRAINING)]
-    assert [len(panels(figure)) for figure in figures] == [6, 1, 2]
+    assert [len(panels(figure)) for figure in figures] == [3, 1, 2]
     for figure in figures:
         for axes in panels(figure).values():
             assert [len(points) for points in curves(axes).values()] == [2]
@@ -189,3 +215,14 @@ def test_there_is_no_figure_of_nothing() -> None:
     assert takeover(made_up, ()) is None
     assert cost(Experiment({}), TRAINING) is None
     assert optimal(made_up) is None
+    # nor of what is always the same
+    assert takeover(experiment({"dagger": [FIRST, FIRST]}), TRAINING) is None
+
+
+def test_the_optimal_safety_policy_of_iteration_0_alone_is_no_row() -> None:
+    """That iteration is other runs', too."""
+    first = changed(
+        experiment({"safedagger_rising": GROWING}),
+        lambda step: step if step.iteration else with_optimal(step),
+    )
+    assert optimal(first) is None

@@ -9,7 +9,7 @@ import pytest
 from pipeline.evaluation.comparison import Cell, estimate
 from pipeline.evaluation.experiment import TRAINING, VARIANTS, Experiment, Step
 from pipeline.evaluation.figures import cost, driving, takeover
-from pipeline.evaluation.panels import LOOKS
+from pipeline.evaluation.looks import LOOKS
 from pipeline.inspection.canvas import png
 from pipeline.policies.strategies import Strategy
 from tests.evaluation.drawn import curves, panels
