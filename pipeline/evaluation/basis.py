@@ -69,7 +69,7 @@ def certainty(experiment: Experiment) -> str:
         "without brackets has an interval that is no wider than its last digit, which is not "
         "certainty: resampling cannot show a failure that did not happen. "
         f"{most} drives that all went well still allow that {100 * allowed:.0f} % would fail (at "
-        "95 %; about 3/n for n drives)."
+        "95 %; about 3/n for n drives), or more, since the drives of a seed share a primary."
         f"{' With one seed, no interval says how far another would be off.' if alone else ''}"
     )
 

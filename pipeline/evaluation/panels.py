@@ -38,7 +38,7 @@ PLACES: dict[str, Callable[[Experiment, Step], float]] = {
 # is a cost, only intervals do, since no line may look cheaper: earlier ones have larger markers.
 APART = 3.0
 LARGER = 1.7
-WIDTH = 130  # [characters] of a line of text below the panels
+WIDTH = 150  # [characters] of a line of text below the panels
 
 
 @dataclass(frozen=True)

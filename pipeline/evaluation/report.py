@@ -135,14 +135,15 @@ def _numbers(material: Material) -> Iterator[str]:
         yield (
             "Each cell: held-out frames of D_safe, which the reference drove / frames of the next "
             "rollout, which this safety policy decided about; after the last iteration there was "
-            "none. Means over the seeds. Truly unsafe is a frame with a deviation above tau."
+            "none. Means over the seeds. Truly unsafe is by the labels that it learned: a deviation above "
+            "tau, now or one second ahead, or, where that counts, a wrong brake."
         )
         yield safety_tables.safety(experiment)
     if material.thresholds:
         yield "### Other thresholds"
         yield (
             "The supervised primary under the safe strategy, with safety policies of several tau. "
-            "Truly unsafe is the share of the held-out frames of D_safe with a deviation above tau."
+            "Truly unsafe is the share of the held-out frames of D_safe that is so by their labels."
         )
         yield safety_tables.thresholds(material.thresholds)
     if material.scratch.steps:

@@ -7,7 +7,16 @@ from itertools import product
 from pipeline.evaluation import rules
 from pipeline.evaluation.comparison import Cell
 from pipeline.evaluation.experiment import RUNS, Experiment
-from pipeline.evaluation.findings import WORDS, Finding, all_of, compare, falls, opposite, rises
+from pipeline.evaluation.findings import (
+    WORDS,
+    Finding,
+    all_of,
+    compare,
+    falls,
+    opposite,
+    rises,
+    unknown,
+)
 from pipeline.evaluation.query_rule import needs_fewer_queries
 from pipeline.evaluation.summary import CONDITIONS, LAPS
 from pipeline.evaluation.wording import CONDITION_WORDS
@@ -48,7 +57,7 @@ class Claim:
         steps = {key: step for key, step in experiment.steps.items() if key[0] in seeds}
         names = " and ".join(RUNS[run] for run in self.runs) or "any run"
         missing = f"no seed has iterations 0 to {rules.ITERATIONS} of {names}"
-        found = self.find(Experiment(steps)) if steps else Finding(None, missing, missing)
+        found = self.find(Experiment(steps)) if steps else unknown(missing)
         sentence = f"{found.observed[0].upper()}{found.observed[1:]}."
         return Verdict(self.words, WORDS[found.holds], sentence, found.evidence)
 

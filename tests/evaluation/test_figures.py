@@ -52,7 +52,9 @@ def test_no_text_is_cut_off_or_in_the_way(name: str, whole: Experiment) -> None:
     assert figure is not None
     png(figure)
     width, height = figure.canvas.get_width_height()
-    boxes = [part.get_tightbbox() for part in [*figure.axes, *figure.legends, *figure.texts]]
+    renderer = figure.canvas.get_renderer()  # type: ignore[attr-defined]
+    parts = [*figure.axes, *figure.legends, *figure.texts]
+    boxes = [part.get_tightbbox(renderer) for part in parts]
     for i, box in enumerate(boxes):
         assert box is not None
         assert box.x0 >= 0 and box.y0 >= 0 and box.x1 <= width and box.y1 <= height
