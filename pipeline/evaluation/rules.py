@@ -69,6 +69,7 @@ def arrives_first(experiment: Experiment) -> Finding:
         [_arrival(experiment, seed, run) for run in ("safedagger", "dagger")]
         for seed in experiment.seeds
     ]
+    there = sum(ours < math.inf for ours, _ in arrivals)
     sooner = [ours < theirs for ours, theirs in arrivals]
     numbers = [
         f"seed {seed}: SafeDAgger {_when(ours)}, DAgger {_when(theirs)}"
@@ -76,7 +77,8 @@ def arrives_first(experiment: Experiment) -> Finding:
     ]
     return Finding(
         sooner[0] if len(set(sooner)) == 1 else None,
-        f"it does so on {sum(sooner)} of {len(sooner)} seeds",
+        f"within {ITERATIONS} iterations on {there} of {len(arrivals)} seeds, and sooner than DAgger's on "
+        f"{sum(sooner)}",
         "; ".join(numbers),
     )
 

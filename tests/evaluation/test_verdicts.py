@@ -295,9 +295,13 @@ def test_what_is_observed_is_what_decides() -> None:
     assert observed(claims.supervised_fails) == (
         "Less than 3 laps in 6 of 6 cases of track and traffic (seed 0)."
     )
-    assert observed(claims.reaches_three_laps_first) == "It does so on 1 of 1 seeds."
-    assert (
-        observed(claims.reaches_three_laps_first, dagger=GROWING) == "It does so on 0 of 1 seeds."
+    first = claims.reaches_three_laps_first
+    assert observed(first) == "Within 3 iterations on 1 of 1 seeds, and sooner than DAgger's on 1."
+    assert observed(first, dagger=GROWING) == (
+        "Within 3 iterations on 1 of 1 seeds, and sooner than DAgger's on 0."
+    )
+    assert observed(first, safedagger=SLOW) == (
+        "Within 3 iterations on 0 of 1 seeds, and sooner than DAgger's on 0."
     )
     assert observed(claims.fewer_queries_than_dagger) == (
         "DAgger: 2.25 laps, its best, after 35,000 queries; SafeDAgger: as far surely after 3,000 "
