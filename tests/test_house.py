@@ -27,6 +27,15 @@ MAY_IMPORT = {
         "pipeline.inspection",
     },
     "pipeline.inspection": {"pipeline", "pipeline.data", "pipeline.world", "pipeline.policies"},
+    "pipeline.claims": {"pipeline", "pipeline.policies", "pipeline.evaluation"},
+    "pipeline.report": {
+        "pipeline",
+        "pipeline.data",
+        "pipeline.policies",
+        "pipeline.evaluation",
+        "pipeline.claims",
+        "pipeline.inspection",
+    },
     "pipeline.cards": {
         "pipeline",
         "pipeline.data",

@@ -1,1 +1,1 @@
-"""How well the policies drive and what it cost: outcomes, metrics, figures, the report."""
+"""How well the policies drive: outcomes of drives, metrics, and comparisons with intervals."""

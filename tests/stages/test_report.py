@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 from typer.testing import CliRunner
 
-from pipeline.evaluation.figures import TITLES
+from pipeline.report.figures import TITLES
 from stages.report import ERRORS, FRAMES, app
 from tests.evaluation.sample import write_run
 

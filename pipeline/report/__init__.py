@@ -1,0 +1,1 @@
+"""The report: what came out, in sentences, tables and figures."""

@@ -1,0 +1,85 @@
+"""What the report rests on, in sentences: what was asked, what was driven, and how to get it again."""
+
+from collections import Counter
+from statistics import fmean
+
+from pipeline.evaluation.experiment import RUNS, Experiment
+from pipeline.evaluation.summary import condition
+from pipeline.evaluation.wording import count, seeds_in_words
+from pipeline.report import tables
+from pipeline.report.headline import OURS
+from pipeline.report.material import Material
+
+
+def cost(material: Material) -> str:
+    """Queries of the loop and outside it, and, apart, what was asked only to measure."""
+    experiment = material.experiment
+    run = OURS if OURS in experiment.runs else experiment.runs[0]
+    last = experiment.iterations(run)[-1]
+    queries, driven, _, trained = tables.spent(experiment, run, last)
+    d_0 = fmean(step.ledger.queries for step in experiment.of(run, 0))
+    d_safe = fmean(ledger.queries for ledger in material.d_safe.values())
+    # whether the reference drives or is only looked up, each frame's deviation is known
+    loop = [step.ledger for step in experiment.steps.values() if step.iteration]
+    in_rollouts = sum(ledger.frames_driven - ledger.queries for ledger in loop)
+    in_evaluation = sum(drive.primary_frames for step in material.driven for drive in step.drives)
+    mean = ", on average" if len(experiment.of(run, last)) > 1 else ""
+    spent = [count(round(number)) for number in (queries, driven, d_0, d_safe, trained)]
+    return (
+        f"**Cost.** The loop of {RUNS[run]} asked {spent[0]} queries a seed{mean}, in {spent[1]} "
+        f"frames driven, after {spent[2]} queries for D_0 and {spent[3]} for D_safe; its last "
+        f"primary was trained on {spent[4]} frames. Only to measure, never to drive or to train, "
+        f"the reference was asked in {count(in_rollouts)} frames of rollouts and "
+        f"{count(in_evaluation)} of evaluation, all runs and seeds together."
+    )
+
+
+def basis(material: Material) -> str:
+    """What everything rests on, and how to get it again."""
+    experiment = material.experiment
+    steps = list(material.driven)
+    drives = [drive for step in steps for drive in step.drives]
+    starts = sorted({len({drive.start for drive in step.drives}) for step in steps})
+    cars = sorted({drive.traffic for drive in drives if drive.traffic})
+    return (
+        f"**Basis.** {seeds_in_words(experiment.seeds).capitalize()}. Test tracks: "
+        f"{', '.join(sorted({drive.track for drive in drives}))}. Starts on each: "
+        f"{' or '.join(map(str, starts))}. Traffic: {' or '.join(map(str, cars)) or 'no'} cars. "
+        f"{count(len(drives))} drives in all: naive, in which the primary always drives; safe, in "
+        "which the reference drives where the safety policy says unsafe; and optimal, where there "
+        "are such, in which it drives where the primary truly deviates. "
+        f"{_commands(experiment)} Runs, seeds and pictures that are not there are "
+        "under [What is missing](#what-is-missing)."
+    )
+
+
+def certainty(experiment: Experiment) -> str:
+    """What the intervals say, and what they cannot say."""
+    cells = Counter(
+        (step.run, step.iteration, drive.strategy, condition(drive))
+        for step in experiment.steps.values()
+        for drive in step.drives
+    )
+    most = max(cells.values())
+    allowed = 1 - 0.05 ** (1 / most)  # the share of failures that n drives hide once in 20 times
+    alone = len(experiment.seeds) == 1
+    return (
+        "**Intervals.** In brackets are 95 % intervals, by bootstrap over seeds and starts; a metric "
+        f"in an iteration and condition rests on {most} drives at most, hence they are wide. A number "
+        "without brackets has an interval that is no wider than its last digit, which is not "
+        "certainty: resampling cannot show a failure that did not happen. "
+        f"{most} drives that all went well still allow that {100 * allowed:.0f} % would fail (at "
+        "95 %; about 3/n for n drives), or more, since the drives of a seed share a primary."
+        f"{' With one seed, no interval says how far another would be off.' if alone else ''}"
+    )
+
+
+def _commands(experiment: Experiment) -> str:
+    """That reproduce each seed."""
+    commands = ", ".join(f"`make experiment SEED={seed}`" for seed in experiment.seeds)
+    if experiment.runs == [OURS]:
+        return (
+            "Each seed again: `make repro`, with this `seed` in `params.yaml`; with all strategies "
+            f"beside each other, {commands}."
+        )
+    return f"Each seed again: {commands}."

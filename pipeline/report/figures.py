@@ -1,0 +1,114 @@
+"""An experiment in figures: what it has, with 95 % intervals; None where it has nothing."""
+
+from collections.abc import Sequence
+from itertools import product
+
+from matplotlib.figure import Figure
+
+from pipeline.evaluation.experiment import RUNS, TRAINING, VARIANTS, Experiment
+from pipeline.evaluation.summary import CONDITIONS
+from pipeline.policies.strategies import Strategy
+from pipeline.report.looks import LABELS
+from pipeline.report.panels import ASKED, Line, Panel, draw
+
+TITLES = {
+    "strategies": "Training strategies: driving over the iterations (the paper's Fig. 3)",
+    "strategies_takeover": "Training strategies: takeover, safe strategy (the paper's Fig. 4)",
+    "strategies_cost": "Training strategies: naive laps against what they cost",
+    "variants": "Variants of SafeDAgger: driving over the iterations",
+    "variants_takeover": "Variants of SafeDAgger: takeover, safe strategy",
+    "variants_cost": "Variants of SafeDAgger: naive laps against what they cost",
+    "optimal": "The learned safety policies beside the optimal one (Eq. 2)",
+}
+"""Of each figure over the iterations, by its name."""
+
+
+def over_the_iterations(experiment: Experiment) -> dict[str, Figure]:
+    """Those of TITLES that have something to show."""
+    variants = VARIANTS if set(VARIANTS[1:]) & set(experiment.runs) else ()
+    drawn = {
+        "strategies": driving(experiment, TRAINING),
+        "strategies_takeover": takeover(experiment, TRAINING),
+        "strategies_cost": cost(experiment, TRAINING),
+        "variants": driving(experiment, variants),
+        "variants_takeover": takeover(experiment, variants),
+        "variants_cost": cost(experiment, variants),
+        "optimal": optimal(experiment),
+    }
+    return {name: figure for name, figure in drawn.items() if figure}
+
+
+def result(experiment: Experiment) -> Figure | None:
+    """What the queries of the training strategies have bought, and how long the reference drives."""
+    panels = [
+        *(
+            Panel(f"naive, {LABELS[where]}", "laps", _lines(TRAINING, Strategy.NAIVE, where), ASKED)
+            for where in CONDITIONS
+        ),
+        *(
+            Panel(f"safe, {LABELS[where]}", "takeover", _lines(TRAINING, Strategy.SAFE, where))
+            for where in CONDITIONS
+        ),
+    ]
+    return draw(experiment, panels, columns=2)
+
+
+def driving(experiment: Experiment, runs: Sequence[str]) -> Figure | None:
+    """As the paper's Fig. 3."""
+    panels = [
+        Panel(f"{strategy}, {LABELS[where]}", metric, _lines(runs, strategy, where))
+        for strategy in (Strategy.NAIVE, Strategy.SAFE)
+        for metric in ("laps", "damage_per_lap", "steering_mse")
+        for where in CONDITIONS
+    ]
+    return draw(experiment, panels, columns=3)
+
+
+def takeover(experiment: Experiment, runs: Sequence[str]) -> Figure | None:
+    """As the paper's Fig. 4: the share of the time that the reference drives."""
+    panels = [
+        Panel(f"safe, {LABELS[where]}", "takeover", _lines(runs, Strategy.SAFE, where))
+        for where in CONDITIONS
+    ]
+    return draw(experiment, panels, columns=2)
+
+
+def cost(experiment: Experiment, runs: Sequence[str]) -> Figure | None:
+    """What the queries, and the frames trained on, have bought."""
+    panels = [
+        Panel(f"naive, {LABELS[where]}", "laps", _lines(runs, Strategy.NAIVE, where), place)
+        for place, where in product((ASKED, "frames trained on"), CONDITIONS)
+    ]
+    return draw(experiment, panels, columns=2)
+
+
+def optimal(experiment: Experiment) -> Figure | None:
+    """The learned safety policies beside the optimal one; a row for each run whose loop has it."""
+    compared = (Strategy.SAFE, Strategy.OPTIMAL)
+    panels = [
+        Panel(
+            f"{RUNS[run]}, {LABELS[where]}",
+            metric,
+            [Line(run, strategy, where, key=strategy) for strategy in compared],
+        )
+        for run in experiment.runs
+        if _has_optimal(experiment, run)
+        for metric in ("takeover", "laps")
+        for where in CONDITIONS
+    ]
+    return draw(experiment, panels, columns=2)
+
+
+def _has_optimal(experiment: Experiment, run: str) -> bool:
+    """In its loop: iteration 0 may be another run's too."""
+    return any(
+        step.drives_of(Strategy.OPTIMAL, where)
+        for iteration in experiment.iterations(run)
+        if iteration
+        for step in experiment.of(run, iteration)
+        for where in CONDITIONS
+    )
+
+
+def _lines(runs: Sequence[str], strategy: Strategy, where: str) -> list[Line]:
+    return [Line(run, strategy, where, key=run) for run in runs]

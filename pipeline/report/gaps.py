@@ -1,0 +1,89 @@
+"""What a whole experiment has, and this one has not."""
+
+from collections.abc import Iterator, Mapping, Sequence
+from itertools import product
+
+from pipeline.claims.rules import ITERATIONS
+from pipeline.claims.verdicts import claims
+from pipeline.evaluation.experiment import RUNS, TRAINING, Experiment, Step
+from pipeline.evaluation.summary import CONDITIONS
+from pipeline.evaluation.wording import CONDITION_WORDS
+from pipeline.report.material import Material
+from pipeline.report.tables import NAIVE, OPTIMAL, SAFE
+
+
+def gaps(material: Material, pictures: Mapping[str, Mapping[int, str]]) -> list[str]:
+    """One line for each thing that is missing.
+
+    Args:
+        pictures: those that each seed should have: title to seed to place.
+    """
+    experiment = material.experiment
+    return [
+        *(_without_results(run) for run in RUNS if run not in experiment.runs),
+        *_missing_iterations(experiment),
+        *_missing_drives(experiment),
+        *_beside_the_loops(material),
+        *(
+            f"{title}, seed {seed}: no picture."
+            for title, places in pictures.items()
+            for seed in experiment.seeds
+            if seed not in places
+        ),
+    ]
+
+
+def _without_results(run: str) -> str:
+    """A run, and how many claims wait for it."""
+    waiting = sum(run in claim.runs for claim in claims())
+    verdicts = {0: "", 1: ", hence no verdict on 1 claim"}.get(
+        waiting, f", hence no verdict on {waiting} claims"
+    )
+    return f"{RUNS[run]}: no results{verdicts}."
+
+
+def _missing_iterations(experiment: Experiment) -> Iterator[str]:
+    for seed, run in product(experiment.seeds, experiment.runs):
+        absent = [str(i) for i in range(ITERATIONS + 1) if (seed, run, i) not in experiment.steps]
+        if len(absent) == ITERATIONS + 1:
+            yield f"{RUNS[run]}, seed {seed}: no results."
+        elif absent:
+            yield f"{RUNS[run]}, seed {seed}: no iteration {', '.join(absent)}."
+
+
+def _missing_drives(experiment: Experiment) -> Iterator[str]:
+    for seed in experiment.seeds:
+        steps = [step for key, step in sorted(experiment.steps.items()) if key[0] == seed]
+        yield from _fewer_than_elsewhere(steps)
+    for run in experiment.runs:
+        if run in TRAINING and not any(
+            step.drives_of(OPTIMAL, where)
+            for step in experiment.steps.values()
+            if step.run == run
+            for where in CONDITIONS
+        ):
+            yield f"{RUNS[run]}: no drives with the optimal safety policy."
+
+
+def _fewer_than_elsewhere(steps: Sequence[Step]) -> Iterator[str]:
+    """Of one seed: cells with fewer drives than the fullest."""
+    cells = list(product(steps, (NAIVE, SAFE), CONDITIONS))
+    counts = [len(step.drives_of(strategy, where)) for step, strategy, where in cells]
+    for (step, strategy, where), number in zip(cells, counts, strict=True):
+        if number < max(counts):
+            yield (
+                f"{RUNS[step.run]}, seed {step.seed}, iteration {step.iteration}: {number} of "
+                f"{max(counts)} drives of {strategy}, {CONDITION_WORDS[where]}."
+            )
+
+
+def _beside_the_loops(material: Material) -> Iterator[str]:
+    if not material.thresholds:
+        yield "Other thresholds: no drives with safety policies of other tau."
+    if not material.scratch.steps:
+        yield "Warm start or from scratch: no primary trained from scratch."
+    for seed in material.experiment.seeds:
+        if seed not in material.errors:
+            yield f"Seed {seed}: no errors.json, which says which errors are safe."
+        elif material.errors[seed].tau_for_share is None:
+            yield f"Seed {seed}: no tau for the paper's share of safe frames in errors.json."

@@ -1,0 +1,71 @@
+"""What SafeDAgger is short of, however its drives went: beside what is ideal, and beside DAgger."""
+
+from collections.abc import Iterator
+
+from pipeline.evaluation.experiment import Experiment
+from pipeline.evaluation.wording import NOTHING
+from pipeline.policies.strategies import Strategy
+from pipeline.report.headline import OURS
+from pipeline.report.safety_tables import QUALITY, mean_quality
+from pipeline.report.tables import NAIVE, OPTIMAL, SAFE, estimates
+
+
+def limits(experiment: Experiment) -> str:
+    """A point for each thing that was measured; empty where there is none."""
+    last = experiment.iterations(OURS)[-1]
+    points = [
+        *_unsafe_frames(experiment),
+        *_takeover(experiment, last),
+        *_steering(experiment, last),
+    ]
+    return "\n".join(f"- {point}" for point in points)
+
+
+def _unsafe_frames(experiment: Experiment) -> Iterator[str]:
+    """How many the safety policies found, in the rollouts that they decided about."""
+    recall, auroc = (_range(experiment, name) for name in ("recall", "auroc"))
+    if recall and auroc:
+        yield (
+            "In the rollouts that they decided about, its safety policies called unsafe "
+            f"{recall} of the truly unsafe frames (recall), with an AUROC of {auroc} (1 is perfect, "
+            "0.5 is chance): means over the seeds, lowest and highest of the iterations."
+        )
+
+
+def _takeover(experiment: Experiment, last: int) -> Iterator[str]:
+    learned, optimal = (
+        _pair(experiment, "takeover", OURS, last, strategy) for strategy in (SAFE, OPTIMAL)
+    )
+    if learned and optimal:
+        yield (
+            f"After iteration {last}, the reference drives {learned} of the time (without and with "
+            f"traffic) under its learned safety policies, and {optimal} under the optimal one (Eq. 2), "
+            "where it drives whenever the primary truly deviates."
+        )
+
+
+def _steering(experiment: Experiment, last: int) -> Iterator[str]:
+    ours = _pair(experiment, "steering_mse", OURS, last, NAIVE)
+    theirs = _pair(experiment, "steering_mse", "dagger", last, NAIVE)
+    if ours and theirs:
+        yield (
+            f"After iteration {last}, the steering MSE of its primary, driven naively, is {ours} "
+            f"(without and with traffic), and {theirs} in DAgger."
+        )
+
+
+def _range(experiment: Experiment, name: str) -> str:
+    """Of one of QUALITY in the rollouts, over the iterations; empty where it is not known."""
+    means = [
+        mean_quality([step.next_rollout for step in experiment.of(OURS, iteration)], name)
+        for iteration in experiment.iterations(OURS)
+    ]
+    known = [mean for mean in means if mean is not None]
+    form = QUALITY[name][1]
+    return " to ".join(dict.fromkeys(form(end(known)) for end in (min, max))) if known else ""
+
+
+def _pair(experiment: Experiment, metric: str, run: str, iteration: int, strategy: Strategy) -> str:
+    """Without and with traffic; empty where one is not known."""
+    found = estimates(experiment, metric, run, iteration, strategy)
+    return "" if NOTHING in found else " and ".join(found)

@@ -1,0 +1,183 @@
+"""Panels of a figure: a metric of several runs, with 95 % intervals; gaps where there are none."""
+
+from collections import defaultdict
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from textwrap import fill
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.ticker import PercentFormatter
+from matplotlib.transforms import offset_copy
+
+from pipeline.evaluation.comparison import Cell, estimate
+from pipeline.evaluation.experiment import Experiment, Step
+from pipeline.evaluation.statistics import Estimate
+from pipeline.evaluation.summary import LAPS
+from pipeline.inspection.canvas import new_figure, styled
+from pipeline.policies.strategies import Strategy
+from pipeline.report.looks import LOOKS, NAMES, legend, look
+from pipeline.report.tables import METRICS
+
+TITLES = {
+    "laps": ("Laps", "laps"),
+    "damage_per_lap": ("Damage", "m²/s² per lap"),
+    "steering_mse": ("Steering MSE", "squared error, full lock = 1"),
+    "takeover": ("Takeover", "share of frames"),
+}
+"""Of a metric: its title, and that of its axis."""
+ASKED = "queries of the loop so far, log scale"
+PLACES: dict[str, Callable[[Experiment, Step], float]] = {
+    "iteration": lambda _, step: step.iteration,
+    ASKED: lambda experiment, step: experiment.queries(step.seed, step.run, step.iteration),
+    "frames trained on": lambda _, step: step.ledger.frames_trained,
+}
+"""Where on x a step is; over several seeds, the mean."""
+# So that equal points stay visible, [points]: over the iterations, lines stand apart in x. Where x
+# is a cost, only intervals do, since no line may look cheaper: earlier ones have larger markers.
+APART = 3.0
+LARGER = 1.7
+WIDTH = 150  # [characters] of a line of text below the panels
+
+
+@dataclass(frozen=True)
+class Line:
+    """A run under one driving strategy and condition, over its iterations."""
+
+    run: str
+    strategy: Strategy
+    condition: str
+    key: str
+    """of LOOKS: what its colour and marker stand for"""
+
+    def cells(self, experiment: Experiment) -> list[Cell]:
+        """Of every iteration that the run has."""
+        where = (self.condition,)
+        return [Cell(self.run, (i,), self.strategy, where) for i in experiment.iterations(self.run)]
+
+
+@dataclass(frozen=True)
+class Panel:
+    """A metric, one of TITLES, of several lines against one of PLACES."""
+
+    title: str
+    metric: str
+    lines: Sequence[Line]
+    place: str = "iteration"
+
+
+type Curves = dict[Line, list[Estimate | None]]
+"""What is shown of each line, for each of its iterations"""
+
+
+def draw(experiment: Experiment, panels: Sequence[Panel], columns: int) -> Figure | None:
+    """The panels in which something differs, row by row; None where there is none.
+
+    The others are named below them.
+    """
+    shown: list[tuple[Panel, Curves]] = []
+    same: dict[str, list[str]] = defaultdict(list)
+    for panel in panels:
+        curves = {
+            line: [estimate(experiment, panel.metric, cell) for cell in line.cells(experiment)]
+            for line in panel.lines
+            if _is_driven(experiment, line)
+        }
+        everywhere = _everywhere(curves)
+        if everywhere is not None:
+            value = METRICS[panel.metric][1](everywhere)
+            same[f"{TITLES[panel.metric][0]} {value}"].append(panel.title)
+        elif curves:
+            shown.append((panel, curves))
+    if not shown:
+        return None
+    rows = -(-len(shown) // columns)
+    with styled():
+        figure = new_figure(10.0, 2.5 * rows + 0.8)
+        for number, (panel, curves) in enumerate(shown, 1):
+            axes = figure.add_subplot(rows, columns, number)
+            for before, (line, found) in enumerate(curves.items()):
+                after = len(curves) - 1 - before
+                _draw(axes, experiment, panel, line, found, APART * (before - after) / 2, after)
+            _frame(axes, panel)
+        handles = legend(line.key for _, curves in shown for line in curves)
+        figure.legend(handles=handles, loc="outside upper center", ncols=4, handlelength=3.2)
+        if same:
+            words = (f"{value}: {'; '.join(titles)}." for value, titles in same.items())
+            text = fill(f"Not drawn, as nothing differs. {' '.join(words)}", WIDTH)
+            figure.supxlabel(text, x=0.01, ha="left", fontsize="medium")
+    return figure
+
+
+def _is_driven(experiment: Experiment, line: Line) -> bool:
+    """Whether there is anything to show of it."""
+    return any(estimate(experiment, "laps", cell) for cell in line.cells(experiment))
+
+
+def _everywhere(curves: Curves) -> float | None:
+    """What all values and ends of intervals are; None where they differ, or one is missing."""
+    found = [one for curve in curves.values() for one in curve]
+    ends = {end for one in found if one for end in (one.low, one.value, one.high)}
+    return ends.pop() if len(ends) == 1 and None not in found else None
+
+
+def _draw(
+    axes: Axes,
+    experiment: Experiment,
+    panel: Panel,
+    line: Line,
+    found: Sequence[Estimate | None],
+    shift: float,
+    after: int,
+) -> None:
+    """Values and intervals, `shift` [points] to the right; a gap where there are none. So many lines
+    come `after` it.
+    """
+    value, low, high = (
+        [getattr(one, end) if one else np.nan for one in found] for end in ("value", "low", "high")
+    )
+    steps = [experiment.of(line.run, i) for i in experiment.iterations(line.run)]
+    x = [np.mean([PLACES[panel.place](experiment, step) for step in seeds]) for seeds in steps]
+    style = look(*LOOKS[line.key], line.condition)
+    is_cost = panel.place != "iteration"
+    if is_cost:
+        style["markersize"] += LARGER * after
+    curve = axes.plot(x, value, label=NAMES[line.key], clip_on=False, zorder=3, **style)
+    bars = axes.vlines(x, low, high, style["color"], linewidth=0.9, clip_on=False)
+    aside = offset_copy(axes.transData, axes.get_figure(root=True), shift, units="points")
+    moved = [bars] if is_cost else [*curve, bars]
+    for artist in moved:  # only now: the limits of the axes are those of the data
+        artist.set_transform(aside)
+
+
+def _frame(axes: Axes, panel: Panel) -> None:
+    words, unit = TITLES[panel.metric]
+    axes.set(title=f"{words}: {panel.title}", xlabel=panel.place, ylabel=unit)
+    axes.grid(axis="y")
+    axes.margins(x=0.08)
+    places = sorted({float(x) for line in axes.get_lines() for x in np.asarray(line.get_xdata())})
+    if panel.place == "iteration":
+        axes.set_xticks(places)
+    elif panel.place == ASKED:  # beyond the first queries: iteration 0 has none
+        first = next((x for x in places if x > 0), 1.0)
+        axes.set_xscale("symlog", linthresh=first, linscale=0.3)
+        axes.set_xticks([0, *_apart(first, places[-1])])
+        axes.minorticks_off()
+    axes.xaxis.set_major_formatter("{x:,.0f}")
+    if panel.metric == "takeover":
+        axes.yaxis.set_major_formatter(PercentFormatter(1.0, decimals=0))
+    if panel.metric == "laps":
+        axes.axhline(LAPS, color="0.6", linewidth=0.8)
+    top = LAPS if panel.metric == "laps" else axes.dataLim.y1
+    axes.set_ylim(0, 1.08 * top if top > 0 else 1.0)  # nothing but gaps: minus infinity
+
+
+def _apart(first: float, last: float) -> list[float]:
+    """Round numbers between two on a log scale, and these two, as far as their labels have room."""
+    factor = max(1.5, (last / first) ** 0.3)
+    ticks = [first]
+    for x in (digit * 10**power for power in range(9) for digit in (1, 2, 5)):
+        if factor * ticks[-1] <= x <= last / factor:
+            ticks.append(x)
+    return [*ticks, last] if factor * ticks[-1] <= last else ticks

@@ -1,0 +1,63 @@
+"""What the report rests on, and how sure it is."""
+
+from dataclasses import replace
+
+from pipeline.data.ledger import Ledger
+from pipeline.evaluation.experiment import Step
+from tests.evaluation.made_up import FRAMES, GOOD, GROWING, changed, experiment
+from tests.report.rendered import report
+
+ALONE = {"safedagger": GROWING}
+
+
+def block(text: str, beginning: str) -> str:
+    (found,) = (part for part in text.split("\n\n") if part.startswith(beginning))
+    return found
+
+
+def test_what_was_asked_only_to_measure_stands_apart() -> None:
+    """By seed 0: 500 frames of a rollout without a query, seed 1: 1,500."""
+
+    def driven(step: Step) -> Step:
+        frames = step.ledger.queries + (500 + 1000 * step.seed) * (step.iteration == 1)
+        trained = 2000 + 10 * step.iteration
+        return replace(
+            step, ledger=replace(step.ledger, frames_driven=frames, frames_trained=trained)
+        )
+
+    made_up = changed(experiment(ALONE, seeds=2, starts=1), driven)
+    d_safe = {seed: Ledger(1, 5000 + 200 * seed, 1, 1, 1.0) for seed in (0, 1)}
+    cost = block(report(made_up, d_safe=d_safe), "**Cost.**")
+    assert (
+        "SafeDAgger asked 7,000 queries a seed, on average, in 8,000 frames driven, after 3,000 "
+        "queries for D_0 and 5,100 for D_safe; its last primary was trained on 2,030 frames."
+        in cost
+    )
+    # naive drives, and what the reference did not drive of the safe ones
+    naive = 2 * 4 * 6 * FRAMES
+    safe = 2 * 3 * sum(round(FRAMES * (2 - sum(level.takeover))) for level in GROWING)
+    assert f"asked in 2,000 frames of rollouts and {naive + safe:,} of evaluation" in cost
+
+
+def test_what_it_rests_on() -> None:
+    """Iteration 0 is shared: 22 steps of 36 drives on each seed."""
+    basis = block(report(experiment(GOOD, seeds=2, starts=3)), "**Basis.**")
+    assert "Seeds 0, 1. Test tracks: spruce, willow, yew. Starts on each: 3." in basis
+    assert "Traffic: 40 cars. 1,584 drives in all: naive, in which" in basis
+    assert "Each seed again: `make experiment SEED=0`, `make experiment SEED=1`." in basis
+    assert "make repro" not in basis
+    alone = block(report(experiment(ALONE)), "**Basis.**")
+    assert alone.startswith("**Basis.** Seed 0. ")
+    assert "Each seed again: `make repro`, with this `seed` in `params.yaml`;" in alone
+    assert "`make experiment SEED=0`" in alone
+
+
+def test_that_all_went_well_is_no_certainty() -> None:
+    """Of 18 drives in a cell, 15.3 % can fail without one failing here, once in 20 times."""
+    intervals = block(report(experiment(GOOD, seeds=2, starts=3)), "**Intervals.**")
+    assert "rests on 18 drives at most" in intervals
+    assert "18 drives that all went well still allow that 15 % would fail" in intervals
+    assert "one seed" not in intervals
+    alone = block(report(experiment(ALONE, starts=1)), "**Intervals.**")
+    assert "3 drives that all went well still allow that 63 % would fail" in alone
+    assert "With one seed, no interval" in alone

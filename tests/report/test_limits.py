@@ -1,0 +1,44 @@
+"""What SafeDAgger is short of, in numbers of the experiment."""
+
+from dataclasses import replace
+from functools import partial
+
+from pipeline.evaluation.experiment import Experiment, Step
+from pipeline.evaluation.metrics_file import SafetyQuality
+from pipeline.report.limits import limits
+from tests.evaluation.made_up import GROWING, SLOW, changed, experiment, with_optimal
+
+
+def judged(step: Step) -> Step:
+    """Iterations 0, 1 and 2 decided in a rollout; seed 1 better than seed 0."""
+    better = 0.1 * step.seed
+    recall, auroc = {0: (0.5, 0.7), 1: (0.3, 0.6), 2: (0.4, 0.8)}.get(step.iteration, (0.9, 0.9))
+    found = SafetyQuality(auroc + better, recall + better, None, None, None)
+    return replace(step, next_rollout=found if step.iteration < 3 else None)
+
+
+def made_up() -> Experiment:
+    return changed(experiment({"safedagger": GROWING, "dagger": SLOW}, seeds=2), judged)
+
+
+def test_each_limit_has_its_numbers() -> None:
+    optimal = partial(with_optimal, takeover_frames=150, primary_frames=850)
+    found, takeover, steering = limits(changed(made_up(), optimal)).splitlines()
+    assert "called unsafe 35.0 % to 55.0 % of the truly unsafe frames" in found
+    assert "an AUROC of 0.65 to 0.85 (" in found
+    assert takeover.startswith("- After iteration 3, the reference drives 2.0 % and 5.0 % of the")
+    assert "and 15.0 % and 15.0 % under the optimal one" in takeover
+    assert "driven naively, is 0.005 and 0.006" in steering
+    assert steering.endswith("and 0.015 and 0.024 in DAgger.")
+
+
+def test_what_was_not_measured_has_no_point() -> None:
+    unjudged = changed(made_up(), lambda step: replace(step, next_rollout=None))
+    (only,) = limits(unjudged).splitlines()
+    assert "steering MSE" in only
+    assert limits(experiment({"safedagger": GROWING})) == ""
+
+
+def test_a_single_rollout_has_no_range() -> None:
+    once = experiment({"safedagger": GROWING[:1]})
+    assert "unsafe 50.0 % of the truly" in limits(changed(once, judged))

@@ -1,0 +1,165 @@
+"""The report says what the experiment says, for better or worse, and what it lacks."""
+
+from dataclasses import replace
+
+from pipeline.claims.verdicts import verdicts
+from pipeline.evaluation.experiment import RUNS, Experiment
+from pipeline.evaluation.summary import condition
+from pipeline.policies.strategies import Strategy
+from tests.evaluation.made_up import (
+    FULL,
+    GOOD,
+    GROWING,
+    SLOW,
+    changed,
+    ending,
+    experiment,
+    scattered,
+    with_optimal,
+)
+from tests.report.rendered import ERRORS, report, rows, section
+
+ALONE = {"safedagger": GROWING}
+
+
+def test_every_verdict_stands_with_its_numbers() -> None:
+    made_up = experiment({**GOOD, "supervised": GROWING})
+    text = section(report(made_up), "Claims of the paper")
+    judged = verdicts(made_up)
+    assert {each.verdict for each in judged} > {"holds"}
+    for number, each in enumerate(judged, 1):
+        words = each.verdict if each.verdict == "holds" else f"**{each.verdict}**"
+        assert f"| {number}. {each.claim} | {words} | {each.observed} |" in text
+        assert f"\n{number}. {each.evidence}\n" in text
+
+
+def test_sections_come_in_order_and_without_runs_they_are_left_out() -> None:
+    def headings(text: str) -> list[str]:
+        return [line.lstrip("# ") for line in text.splitlines() if line.startswith("##")]
+
+    made_up = experiment(GOOD)
+    tau = {0.01: experiment({"safedagger": GROWING[:1]})}
+    pairs = experiment({"safedagger": GROWING})
+    scratch = replace(pairs.steps[0, "safedagger", 3], run="scratch")
+    pairs = Experiment({**pairs.steps, (0, "scratch", 3): scratch})
+    every = [
+        "Claims of the paper",
+        "Over the iterations",
+        "In numbers",
+        "Driving on the test tracks",
+        "What it cost",
+        "The safety policies",
+        "Other thresholds",
+        "Warm start or from scratch",
+        "Which errors are safe",
+        "Track by track, after the last iteration",
+        "Where SafeDAgger falls short",
+        "Pictures",
+        "What is missing",
+    ]
+    assert headings(report(made_up, thresholds=tau, scratch=pairs)) == every
+    absent = {every[5], every[6], every[7], every[8], every[10]}
+    dagger = headings(report(experiment({"dagger": SLOW}), errors={}))
+    assert dagger == [title for title in every if title not in absent]
+
+
+def test_shortfalls_are_those_of_the_last_iteration_on_every_seed() -> None:
+    made_up = experiment({"safedagger": ending(GROWING, laps=(3.0, 2.0)), "dagger": SLOW}, seeds=2)
+    text = section(report(made_up), "Where SafeDAgger falls short")
+    assert "In the drives after iteration 3: in 6 of 24 cases" in text
+    assert "| 1 | naive, with traffic, yew | 2.00 | 0 | 4 of 4 | 0 of 4 | 0 of 4 |" in text
+    perfect = section(
+        report(experiment({"safedagger": [*GROWING, FULL]})), "Where SafeDAgger falls short"
+    )
+    assert perfect.strip().startswith("In the drives after iteration 4: in no case.")
+
+
+def test_figures_are_shown_under_their_titles() -> None:
+    assert "Driving:\n\n![Driving](figures/driving.png)" in report(experiment(GOOD))
+
+
+def test_of_the_pictures_of_seeds_the_first_is_shown_and_the_others_linked() -> None:
+    text = section(report(experiment(ALONE, seeds=3)), "Pictures")
+    assert (
+        f"{ERRORS}, seed 0 (also [seed 1](errors/seed_1.png), [seed 2](errors/seed_2.png)):\n\n"
+        f"![{ERRORS}, seed 0](errors/seed_0.png)" in text
+    )
+    assert "![Training tracks](figures/training.png)" in text
+    alone = section(report(experiment(ALONE)), "Pictures")
+    assert f"{ERRORS}, seed 0:\n" in alone
+    partly = report(experiment(ALONE, seeds=2), by_seed={ERRORS: {1: "one.png"}, "Frames": {}})
+    assert f"![{ERRORS}, seed 1](one.png)" in section(partly, "Pictures")
+    missing = section(partly, "What is missing")
+    assert f"- {ERRORS}, seed 0: no picture." in missing
+    assert "- Frames, seed 0: no picture.\n- Frames, seed 1: no picture." in missing
+
+
+def test_nothing_is_missing_of_a_whole_experiment() -> None:
+    """The variants are not driven with the optimal safety policy."""
+    whole = changed(
+        experiment(GOOD, seeds=2),
+        lambda step: step if step.run.startswith("safedagger_") else with_optimal(step),
+    )
+    beside = {
+        "thresholds": {0.01: whole},
+        "scratch": Experiment({(0, "scratch", 3): whole.steps[0, "dagger", 3]}),
+    }
+    assert (
+        section(report(whole, **beside), "What is missing").strip()
+        == "No run, seed or picture is missing."
+    )
+
+
+def test_what_is_missing_is_named() -> None:
+    table = {run: levels for run, levels in GOOD.items() if run not in ("supervised", "dagger")}
+    steps = dict(changed(experiment(table, seeds=2), with_optimal).steps)
+    del steps[1, "safedagger", 2], steps[1, "safedagger", 3]
+    for i in range(4):
+        del steps[1, "safedagger_last", i]
+        for seed in range(2):
+            step = steps[seed, "dagger_budget", i]
+            drives = [d for d in step.drives if d.strategy != Strategy.OPTIMAL]
+            steps[seed, "dagger_budget", i] = replace(step, drives=drives)
+    cut = steps[0, "safedagger_max", 1]
+    kept = [d for d in cut.drives if d.strategy != "safe" or d.traffic == 0 or d.track != "yew"]
+    steps[0, "safedagger_max", 1] = replace(cut, drives=kept)
+    found = section(report(Experiment(steps), errors={}), "What is missing").strip().splitlines()
+    assert found == [
+        "- supervised: no results, hence no verdict on 1 claim.",
+        "- DAgger: no results, hence no verdict on 4 claims.",
+        "- SafeDAgger, seed 1: no iteration 2, 3.",
+        "- SafeDAgger, 1 s ahead (last), seed 1: no results.",
+        "- SafeDAgger, 1 s ahead (max), seed 0, iteration 1: 8 of 12 drives of safe, with traffic.",
+        "- DAgger, SafeDAgger's queries: no drives with the optimal safety policy.",
+        "- Other thresholds: no drives with safety policies of other tau.",
+        "- Warm start or from scratch: no primary trained from scratch.",
+        "- Seed 0: no errors.json, which says which errors are safe.",
+        "- Seed 1: no errors.json, which says which errors are safe.",
+    ]
+
+
+def test_a_condition_that_nobody_met_is_missing() -> None:
+    quiet = changed(
+        experiment({"dagger": SLOW[:1]}),
+        lambda step: replace(step, drives=[d for d in step.drives if condition(d) == "no_traffic"]),
+    )
+    text = report(quiet)
+    assert "Traffic: no cars." in text
+    assert "- DAgger, seed 0, iteration 0: 0 of 12 drives of naive, with traffic." in text
+    assert rows(section(text, "In numbers"), "Laps, naive")["DAgger", "0"][0] == "2.00 / -"
+
+
+def test_equal_experiments_give_equal_bytes() -> None:
+    """In whatever order they were read; here with a drive missing in each step."""
+    made_up = changed(
+        experiment({"dagger": scattered(SLOW), "safedagger": scattered(GROWING)}, seeds=2),
+        lambda step: replace(step, drives=step.drives[1:]),
+    )
+    backwards = Experiment(dict(reversed(made_up.steps.items())))
+    assert report(made_up) == report(made_up) == report(backwards)
+    assert report(made_up).count(" drives of naive, without traffic.") == 16
+
+
+def test_every_run_has_its_name() -> None:
+    text = report(experiment(GOOD))
+    assert all(f"| {name} |" in text for name in RUNS.values())
