@@ -106,7 +106,8 @@ def _numbers(material: Material) -> Iterator[str]:
     yield "### Driving on the test tracks"
     yield (
         "Each cell: without traffic / with traffic, with 95 % intervals. Laps are the mean over "
-        f"the drives, {LAPS:g} at most, cut to two digits; a drive is halted when it leaves the road, "
+        f"the drives, {LAPS:g} at most, cut to two digits; their interquartile mean leaves out the best "
+        "and the worst quarter, and so shows what is usual. A drive is halted when it leaves the road, "
         f"has stood still for {STANDSTILL:g} s or is out of time. Damage is half the squared closing "
         "speed of each touch, in m²/s² per lap driven. The steering MSE is per frame that the primary "
         "drove, full lock = 1. A frame is one decision: whoever drives is asked once, and the action "

@@ -14,6 +14,7 @@ from pipeline.report.material import Material
 NAIVE, SAFE, OPTIMAL = DRIVING
 METRICS: dict[str, tuple[str, Callable[[float], str], tuple[Strategy, ...]]] = {
     "laps": ("Laps", laps, DRIVING),
+    "laps_iqm": ("Interquartile mean of laps", laps, (NAIVE,)),
     "damage_per_lap": ("Damage per lap", amount, DRIVING),
     "steering_mse": ("Steering MSE", amount, (NAIVE, SAFE)),
     "takeover": ("Takeover", share, (SAFE, OPTIMAL)),
