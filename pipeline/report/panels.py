@@ -1,7 +1,7 @@
 """Panels of a figure: a metric of several runs, with 95 % intervals; gaps where there are none."""
 
 from collections import defaultdict
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from textwrap import fill
 
@@ -72,26 +72,27 @@ type Curves = dict[Line, list[Estimate | None]]
 
 
 def draw(experiment: Experiment, panels: Sequence[Panel], columns: int) -> Figure | None:
-    """The panels in which something differs, row by row; None where there is none.
-
-    The others are named below them.
+    """The panels in which something differs, row by row, and the others named below them; all where
+    nothing differs in any; None where there is nothing to show.
     """
-    shown: list[tuple[Panel, Curves]] = []
-    same: dict[str, list[str]] = defaultdict(list)
+    driven: list[tuple[Panel, Curves]] = []
     for panel in panels:
         curves = {
             line: [estimate(experiment, panel.metric, cell) for cell in line.cells(experiment)]
             for line in panel.lines
             if _is_driven(experiment, line)
         }
-        everywhere = _everywhere(curves)
-        if everywhere is not None:
-            value = METRICS[panel.metric][1](everywhere)
-            same[f"{TITLES[panel.metric][0]} {value}"].append(panel.title)
-        elif curves:
-            shown.append((panel, curves))
-    if not shown:
+        if curves:
+            driven.append((panel, curves))
+    if not driven:
         return None
+    same = [
+        (panel, value) for panel, curves in driven if (value := _everywhere(curves)) is not None
+    ]
+    if len(same) == len(driven):
+        same = []
+    left_out = [panel for panel, _ in same]
+    shown = [(panel, curves) for panel, curves in driven if panel not in left_out]
     rows = -(-len(shown) // columns)
     with styled():
         figure = new_figure(10.0, 2.5 * rows + 0.8)
@@ -104,8 +105,7 @@ def draw(experiment: Experiment, panels: Sequence[Panel], columns: int) -> Figur
         handles = legend(line.key for _, curves in shown for line in curves)
         figure.legend(handles=handles, loc="outside upper center", ncols=4, handlelength=3.2)
         if same:
-            words = (f"{value}: {'; '.join(titles)}." for value, titles in same.items())
-            text = fill(f"Not drawn, as nothing differs. {' '.join(words)}", WIDTH)
+            text = fill(f"Not drawn, as nothing differs. {_named(same)}", WIDTH)
             figure.supxlabel(text, x=0.01, ha="left", fontsize="medium")
     return figure
 
@@ -113,6 +113,15 @@ def draw(experiment: Experiment, panels: Sequence[Panel], columns: int) -> Figur
 def _is_driven(experiment: Experiment, line: Line) -> bool:
     """Whether there is anything to show of it."""
     return any(estimate(experiment, "laps", cell) for cell in line.cells(experiment))
+
+
+def _named(panels: Iterable[tuple[Panel, float]]) -> str:
+    """Panels by what is everywhere in them."""
+    titles: dict[str, list[str]] = defaultdict(list)
+    for panel, value in panels:
+        words = f"{TITLES[panel.metric][0]} {METRICS[panel.metric][1](value)}"
+        titles[words].append(panel.title)
+    return " ".join(f"{words}: {'; '.join(found)}." for words, found in titles.items())
 
 
 def _everywhere(curves: Curves) -> float | None:

@@ -22,7 +22,7 @@ from pipeline.report.figures import (
     result,
     takeover,
 )
-from tests.evaluation.made_up import FIRST, GROWING, SLOW, changed, experiment, with_optimal
+from tests.evaluation.made_up import FIRST, FULL, GROWING, SLOW, changed, experiment, with_optimal
 from tests.report.drawn import curves, panels, words
 
 DRAW: dict[str, Callable[[Experiment], Figure | None]] = {
@@ -142,6 +142,12 @@ def test_a_panel_is_drawn_as_soon_as_one_drive_differs() -> None:
     assert words(figure).endswith("Laps 3.00: safe, traffic.")
 
 
+def test_where_nothing_differs_in_any_panel_all_are_drawn() -> None:
+    figure = result(experiment({"safedagger": [FULL] * 4}))
+    assert len(panels(figure)) == 4
+    assert words(figure) == ""
+
+
 def test_damage_is_shown_per_lap() -> None:
     def damaged(step: Step) -> Step:
         drives = [replace(d, damage=step.iteration * d.laps) for d in step.drives]
@@ -217,8 +223,6 @@ def test_there_is_no_figure_of_nothing() -> None:
     assert takeover(made_up, ()) is None
     assert cost(Experiment({}), TRAINING) is None
     assert optimal(made_up) is None
-    # nor of what is always the same
-    assert takeover(experiment({"dagger": [FIRST, FIRST]}), TRAINING) is None
 
 
 def test_the_optimal_safety_policy_of_iteration_0_alone_is_no_row() -> None:
