@@ -22,7 +22,7 @@ from pipeline.report.figures import (
     result,
     takeover,
 )
-from tests.evaluation.made_up import FIRST, FULL, GROWING, SLOW, changed, experiment, with_optimal
+from tests.evaluation.made_up import FULL, GROWING, SLOW, changed, experiment, with_optimal
 from tests.report.drawn import curves, panels, words
 
 DRAW: dict[str, Callable[[Experiment], Figure | None]] = {
