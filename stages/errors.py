@@ -36,10 +36,10 @@ def errors(
 
     for path in (figure, metrics):
         refuse_existing(path)
-    network = load_primary(primary)
+    network, brake_cut = load_primary(primary), read_brake_cut(primary)
     rule = LabelRule(include_brake=False, horizon=0.0, mode="last")
     deviations = {
-        name: judge(network, dataset, brake_cut=read_brake_cut(primary), rule=rule).deviation
+        name: judge(network, dataset, brake_cut=brake_cut, rule=rule).deviation
         for name, dataset in (("trained on", trained), ("held out", held_out))
     }
     summaries = {name: error_summary(found, tau) for name, found in deviations.items()}

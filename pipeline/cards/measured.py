@@ -1,10 +1,8 @@
 """What was measured of a policy, as the stages write it down."""
 
-import json
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
 
 from pipeline.evaluation.metrics_file import MetricsFile, SafetyQuality
 from pipeline.evaluation.summary import CONDITIONS, Performance
@@ -59,24 +57,12 @@ def _read_driving(path: Path) -> Measured:
     if not path.exists():
         return Measured({})
     file = MetricsFile(path)
-    there = _object(json.loads(path.read_text()))
     driving = {
         (str(strategy), condition): file.record(Performance, strategy, condition)
         for strategy in DRIVING
         for condition in CONDITIONS
-        if condition in _object(there.get(strategy))
+        if file.has(strategy, condition)
     }
     if not driving:
         raise ValueError(f"{path}: no strategy's drives, expected some of {', '.join(DRIVING)}")
-    return Measured(driving, _names(path, there), file.number("most_laps"))
-
-
-def _names(path: Path, there: Mapping[str, Any]) -> list[str]:
-    tracks = there.get("tracks")
-    if not (isinstance(tracks, list) and tracks and all(isinstance(one, str) for one in tracks)):
-        raise ValueError(f"{path}: tracks is {json.dumps(tracks)}, expected names of tracks")
-    return tracks
-
-
-def _object(value: Any) -> dict[str, Any]:
-    return value if isinstance(value, dict) else {}
+    return Measured(driving, file.names("tracks"), file.number("most_laps"))

@@ -56,6 +56,14 @@ class MetricsFile:
         found = "nothing" if value is MISSING else json.dumps(value)
         raise ValueError(f"{self._path}: {'.'.join(keys)} is {found}, expected a number")
 
+    def names(self, *keys: str) -> list[str]:
+        """The list of names at `keys`, one at least."""
+        value = self._at(keys)
+        if isinstance(value, list) and value and all(isinstance(name, str) for name in value):
+            return value
+        found = "nothing" if value is MISSING else json.dumps(value)
+        raise ValueError(f"{self._path}: {'.'.join(keys)} is {found}, expected names")
+
     def _at(self, keys: tuple[str, ...]) -> Any:
         """What is there; MISSING where nothing is."""
         value = self._content

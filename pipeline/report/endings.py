@@ -30,7 +30,7 @@ def endings(experiment: Experiment) -> Iterator[str]:
             for drive in step.drives
             if drive.strategy == strategy
         ]
-        if any(left_the_road(drive) or stopped_short(drive) for drive in drives):
+        if any(map(_failed, drives)):
             header = ["Left the road", "Stopped on the road"]
             titles = [f"{title}, {strategy}" for title in header]
             yield table(["Run", "Iteration", *titles], list(_rows(experiment, strategy)))
@@ -44,9 +44,13 @@ def _rows(experiment: Experiment, strategy: Strategy) -> Iterator[list[str]]:
         for iteration in experiment.iterations(run):
             steps = experiment.of(run, iteration)
             groups = [[d for s in steps for d in s.drives_of(strategy, c)] for c in CONDITIONS]
-            if any(left_the_road(d) or stopped_short(d) for drives in groups for d in drives):
+            if any(_failed(drive) for drives in groups for drive in drives):
                 ends = [_counts(groups, ending) for ending in (left_the_road, stopped_short)]
                 yield [RUNS[run], str(iteration), *ends]
+
+
+def _failed(drive: Outcome) -> bool:
+    return left_the_road(drive) or stopped_short(drive)
 
 
 def _counts(groups: list[list[Outcome]], ending: Callable[[Outcome], bool]) -> str:

@@ -72,11 +72,10 @@ def _sentences(material: Material, run: str) -> Iterator[str]:
 
 def _arrival(experiment: Experiment, run: str) -> str:
     """After which iteration all naive drives did all laps first, and after which no longer."""
-    drives = {
-        iteration: [d for step in experiment.of(run, iteration) for d in step.drives]
-        for iteration in experiment.iterations(run)
+    naive = {
+        i: [d for step in experiment.of(run, i) for d in step.drives if d.strategy == NAIVE]
+        for i in experiment.iterations(run)
     }
-    naive = {i: [d for d in each if d.strategy == NAIVE] for i, each in drives.items()}
     full = [i for i, each in naive.items() if each and all(d.laps >= LAPS for d in each)]
     if not full:
         return f"After no iteration did all naive drives do {LAPS:g} laps."

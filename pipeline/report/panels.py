@@ -86,13 +86,11 @@ def draw(experiment: Experiment, panels: Sequence[Panel], columns: int) -> Figur
             driven.append((panel, curves))
     if not driven:
         return None
-    same = [
-        (panel, value) for panel, curves in driven if (value := _everywhere(curves)) is not None
-    ]
-    if len(same) == len(driven):
-        same = []
-    left_out = [panel for panel, _ in same]
-    shown = [(panel, curves) for panel, curves in driven if panel not in left_out]
+    alike = [_everywhere(curves) for _, curves in driven]
+    if None not in alike:
+        alike = [None] * len(driven)
+    shown = [each for each, value in zip(driven, alike, strict=True) if value is None]
+    same = [(each[0], v) for each, v in zip(driven, alike, strict=True) if v is not None]
     rows = -(-len(shown) // columns)
     with styled():
         figure = new_figure(10.0, 2.5 * rows + 0.8)
@@ -112,7 +110,11 @@ def draw(experiment: Experiment, panels: Sequence[Panel], columns: int) -> Figur
 
 def _is_driven(experiment: Experiment, line: Line) -> bool:
     """Whether there is anything to show of it."""
-    return any(estimate(experiment, "laps", cell) for cell in line.cells(experiment))
+    return any(
+        step.drives_of(line.strategy, line.condition)
+        for iteration in experiment.iterations(line.run)
+        for step in experiment.of(line.run, iteration)
+    )
 
 
 def _named(panels: Iterable[tuple[Panel, float]]) -> str:

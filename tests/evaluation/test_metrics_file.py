@@ -75,3 +75,16 @@ def test_a_file_that_is_no_json_object(tmp_path: Path, content: str) -> None:
         MetricsFile(path).number("tau")
     assert str(error.value).startswith(str(path))
     assert "\n" not in str(error.value)
+
+
+@pytest.mark.parametrize(
+    ("content", "found"),
+    [("{}", "nothing"), ('{"tracks": []}', r"\[\]"), ('{"tracks": ["yew", 3]}', r'\["yew", 3\]')],
+)
+def test_names_are_a_list_of_text(content: str, found: str, tmp_path: Path) -> None:
+    path = tmp_path / "driving_0.json"
+    path.write_text('{"tracks": ["yew", "random:9"]}')
+    assert MetricsFile(path).names("tracks") == ["yew", "random:9"]
+    path.write_text(content)
+    with pytest.raises(ValueError, match=f"^{path}: tracks is {found}, expected names$"):
+        MetricsFile(path).names("tracks")
