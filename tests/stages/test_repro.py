@@ -9,7 +9,11 @@ from pathlib import Path
 import pytest
 import yaml
 
+from tests.content import processor, run_hashes
+
 HOUSE = Path(__file__).parents[2]
+HELD = HOUSE / "tests" / "held" / "tiny.json"
+OF_THE_REFERENCE = ("D_0", "D_safe", "D_held", "new_supervised_1")
 STEPS = ["safedagger_1", "safedagger_2", "dagger_1", "supervised_1"]
 LABELS = {"tau": 0.0025, "horizon": 0, "horizon-mode": "last"}
 ALL = "naive,safe,optimal"
@@ -107,6 +111,17 @@ def dvc(root: Path, *arguments: str) -> str:
 
 def metric(house: Path, name: str) -> dict:
     return json.loads((house / "cards" / "metrics" / "seed_0" / f"{name}.json").read_text())
+
+
+def test_the_run_is_what_it_was(house: Path) -> None:
+    """While the house is rebuilt. On another processor, what no network had a part in."""
+    runs = json.loads(HELD.read_text())
+    held = runs.get(processor())
+    if held is None:
+        places = tuple(f"datasets/{name}/" for name in OF_THE_REFERENCE)
+        held = {k: v for k, v in next(iter(runs.values())).items() if k.startswith(places)}
+    found = run_hashes(house)
+    assert {name: found.get(name) for name in held} == held
 
 
 def test_what_was_selected_is_what_was_queried_is_what_was_merged(house: Path) -> None:
