@@ -15,13 +15,9 @@ def cards(
     datasets: Annotated[Path, typer.Option(help="Folder of datasets.")],
     models: Annotated[Path, typer.Option(help="Folder of policies.")],
     metrics: Annotated[Path, typer.Option(help="Folder of driving_<i>.json, safety_<i>.json.")],
-    tau: Annotated[float, typer.Option(min=1e-9, help="A deviation above it is counted as such.")],
     record_every: options.RecordEvery,
     dataset_cards: Annotated[Path, typer.Option(help="Folder to write. It must not exist.")],
     model_cards: Annotated[Path, typer.Option(help="Folder to write. It must not exist.")],
-    lock: Annotated[
-        Path | None, typer.Option(help="The dvc.lock that knows what made them, if there is one.")
-    ] = None,
 ) -> None:
     """Write a card for each dataset and each policy.
 
@@ -33,9 +29,9 @@ def cards(
 
     with new_directory(dataset_cards) as for_datasets, new_directory(model_cards) as for_models:
         catalogue = Catalogue(
-            datasets, models, lock, dataset_cards=dataset_cards, model_cards=model_cards
+            datasets, models, dataset_cards=dataset_cards, model_cards=model_cards
         )
-        facts = write_dataset_cards(for_datasets, catalogue, tau=tau)
+        facts = write_dataset_cards(for_datasets, catalogue)
         written = write_model_cards(
             for_models, catalogue, facts, metrics=metrics, record_every=record_every
         )

@@ -28,6 +28,7 @@ class Purpose(StrEnum):
 
 @app.command()
 def collect(
+    context: typer.Context,
     output: options.Output,
     tracks: options.Tracks,
     traffic: options.Traffic,
@@ -47,10 +48,12 @@ def collect(
 
     Also what supervised learning trains on in later iterations.
     """
+    from pipeline.data.lineage import Recipe
     from pipeline.data.writing import write_dataset
     from pipeline.output import refuse_existing
     from pipeline.policies.recording import SEED_STREAMS, Drive, record_all
     from pipeline.policies.strategies import Rule, Strategy
+    from pipeline.world.features import ROBOT_TYPE, check_record_every
 
     refuse_existing(output)
     names = options.names(tracks)
@@ -71,4 +74,6 @@ def collect(
                 yield recording.episode
                 advance_to(done)
 
-    typer.echo(write_dataset(output, driven(), record_every=record_every))
+    recipe = Recipe(purpose.value, options.arguments(context))
+    fps = check_record_every(record_every)
+    typer.echo(write_dataset(output, driven(), recipe, fps=fps, robot=ROBOT_TYPE))

@@ -19,21 +19,18 @@ def compare(
     ] = 0,
     save: options.Save = None,
     web: options.Web = False,
-    cut: options.Cut = 0.5,
-    tau: options.Tau = 0.0025,
 ) -> None:
     """Show two datasets side by side in Rerun.
 
     One recording for each track that both have.
     """
-    from pipeline.data.reading import check_dataset
-    from pipeline.data.schema import CONTROL_HZ
+    from pipeline.data.dataset import Dataset
     from pipeline.inspection.pairs import pairs
     from pipeline.inspection.rerun_blueprints import pair_blueprint
     from pipeline.inspection.rerun_log import log_pair
 
-    found = pairs(a, b, drive)
-    fps = CONTROL_HZ // check_dataset(a)
+    first = Dataset.open(a)
+    found, fps = pairs(first, Dataset.open(b), drive), first.fps
     with options.rerun_sink(save, web, pair_blueprint(fps)) as sink:
         for pair in found:
-            log_pair(pair, sink.connect, fps=fps, cut=cut, taus=(tau, tau))
+            log_pair(pair, sink.connect, fps=fps)

@@ -23,7 +23,7 @@ def compare_policies(
     seconds: options.Seconds,
     seed: options.Seed,
     record_every: options.RecordEvery = 3,
-    cut: options.Cut = 0.5,
+    cut: options.Cut = None,
     save: options.Save = None,
     web: options.Web = False,
 ) -> None:
@@ -31,16 +31,17 @@ def compare_policies(
 
     From the same start, among the same cars.
     """
-    from pipeline.data.schema import CONTROL_HZ
     from pipeline.inspection.footage import Footage
     from pipeline.inspection.live import Tally, watched
     from pipeline.inspection.pairs import Pair
     from pipeline.inspection.rerun_blueprints import pair_blueprint
     from pipeline.inspection.rerun_log import log_pair
     from pipeline.policies.inference import Driver
+    from pipeline.policies.judgement import Judgement
     from pipeline.policies.loading import driving_rule
     from pipeline.policies.recording import Drive
     from pipeline.policies.strategies import Rule, parse_driving
+    from pipeline.world.features import CONTROL_HZ
     from pipeline.world.tracks import make_track
 
     plan = Drive(
@@ -76,6 +77,8 @@ def compare_policies(
             f"{strategy}, {plan.task}, seed {seed}: a is {primary_a.name}, b is {primary_b.name}",
             f"{track}/{strategy}/{seed}/{primary_a.name}/{primary_b.name}",
             make_track(track),
-            *drives,
+            drives[0],
+            drives[1],
+            (Judgement.of_rule(sides[0][1]), Judgement.of_rule(sides[1][1])),
         )
-        log_pair(pair, sink.connect, fps=fps, cut=cut, taus=(sides[0][1].tau, sides[1][1].tau))
+        log_pair(pair, sink.connect, fps=fps)

@@ -20,21 +20,25 @@ def contact_sheet(
 
     Of a rollout, with their probability of being safe.
     """
-    from pipeline.data.reading import read_columns, read_images
+    from pipeline.data.dataset import Dataset
+    from pipeline.data.images import read_some_images
     from pipeline.evaluation.writing import write_file
     from pipeline.inspection.canvas import png
     from pipeline.inspection.contact_sheet import contact_sheet as draw
     from pipeline.inspection.contact_sheet import extreme_frames
     from pipeline.output import refuse_existing
+    from pipeline.world.features import CAMERA, DRIVEN
 
     refuse_existing(output)
-    columns = read_columns(dataset, ["safe_probability"])
-    probability = columns["safe_probability"][:, 0]
-    chosen = extreme_frames(probability, columns["episode_index"], frames)
-    images = read_images(dataset)
+    rollout = Dataset.open(dataset)
+    rollout.require(DRIVEN)
+    probability = rollout.column("safe_probability")
+    chosen = extreme_frames(probability, rollout.episode_index, frames)
+    rows = sorted({int(row) for part in chosen for row in part})
+    images = dict(zip(rows, read_some_images(rollout, CAMERA, rows), strict=True))
     safest, least_safe = (
-        [(images[row], float(probability[row])) for row in rows] for rows in chosen
+        [(images[row], float(probability[row])) for row in part.tolist()] for part in chosen
     )
     title = f"{dataset.name}: probability of being safe"
     write_file(output, png(draw(title, safest, least_safe)))
-    typer.echo(f"{output}: {frames} safest and {frames} least safe of {len(images)} frames")
+    typer.echo(f"{output}: {frames} safest and {frames} least safe of {len(rollout)} frames")

@@ -26,6 +26,7 @@ def errors(
     metrics: options.Metrics,
 ) -> None:
     """Show how a primary's errors lie around tau (Figure 2)."""
+    from pipeline.data.dataset import Dataset
     from pipeline.evaluation.errors import error_histogram, error_summary
     from pipeline.evaluation.writing import write_file, write_metrics
     from pipeline.inspection.canvas import png
@@ -39,7 +40,7 @@ def errors(
     network, brake_cut = load_primary(primary), read_brake_cut(primary)
     rule = LabelRule(include_brake=False, horizon=0.0, mode="last")
     deviations = {
-        name: judge(network, dataset, brake_cut=brake_cut, rule=rule).deviation
+        name: judge(network, Dataset.open(dataset), brake_cut=brake_cut, rule=rule).deviation
         for name, dataset in (("trained on", trained), ("held out", held_out))
     }
     summaries = {name: error_summary(found, tau) for name, found in deviations.items()}

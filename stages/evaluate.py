@@ -25,11 +25,11 @@ def evaluate(
     strategies: Annotated[
         str, typer.Option(help="Driving strategies, separated by commas: naive, safe, optimal.")
     ],
-    cut: options.Cut,
     drives: Annotated[Path, typer.Option(help="Where to write each drive's outcome (CSV).")],
     metrics: options.Metrics,
     seed: options.Seed,
     workers: options.Workers,
+    cut: options.Cut = None,
 ) -> None:
     """Evaluate policies by driving strategies (Section 4.4)."""
     from pipeline.evaluation.driving import evaluate as evaluate_drive

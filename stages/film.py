@@ -20,9 +20,9 @@ def film(
     laps: Annotated[float, typer.Option(min=0.01, help="Most laps to drive.")],
     seconds: options.Seconds,
     record_every: options.RecordEvery,
-    cut: options.Cut,
     show_every: Annotated[int, typer.Option(min=1, help="Frames to a picture of the film.")],
     seed: options.Seed,
+    cut: options.Cut = None,
 ) -> None:
     """Drive, and write a film of it (GIF).
 

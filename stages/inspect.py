@@ -22,18 +22,19 @@ def inspect(
     ] = False,
     save: options.Save = None,
     web: options.Web = False,
-    cut: options.Cut = 0.5,
-    tau: options.Tau = 0.0025,
 ) -> None:
     """Show a dataset in Rerun, a recording an episode."""
-    from pipeline.data.reading import check_dataset
-    from pipeline.data.schema import CONTROL_HZ
+    from pipeline.data.dataset import Dataset
     from pipeline.inspection.excerpts import around_takeovers, whole_episodes
     from pipeline.inspection.rerun_blueprints import drive_blueprint
     from pipeline.inspection.rerun_log import log_excerpt
+    from pipeline.inspection.rerun_plain import log_plain, plain_blueprint
+    from pipeline.world.features import ROBOT_TYPE
 
-    fps = CONTROL_HZ // check_dataset(dataset)
-    excerpts = around_takeovers(dataset, episode) if unsafe else whole_episodes(dataset, episode)
-    with options.rerun_sink(save, web, drive_blueprint(fps)) as sink:
+    opened = Dataset.open(dataset)
+    excerpts = around_takeovers(opened, episode) if unsafe else whole_episodes(opened, episode)
+    ours = opened.info["robot_type"] == ROBOT_TYPE
+    blueprint = drive_blueprint(opened.fps) if ours else plain_blueprint(opened)
+    with options.rerun_sink(save, web, blueprint) as sink:
         for excerpt in excerpts:
-            log_excerpt(excerpt, sink.connect, fps=fps, cut=cut, tau=tau)
+            (log_excerpt if ours else log_plain)(excerpt, sink.connect, fps=opened.fps)

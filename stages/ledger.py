@@ -22,11 +22,12 @@ def ledger(
 
     Of an iteration, from the columns of its datasets.
     """
+    from pipeline.data.dataset import Dataset
     from pipeline.data.ledger import count
     from pipeline.evaluation.writing import write_metrics
     from pipeline.output import refuse_existing
 
     refuse_existing(metrics)
-    counted = count(raw, aggregate)
+    counted = count(Dataset.open(raw), Dataset.open(aggregate))
     write_metrics(metrics, counted.to_dict())
     typer.echo(f"{metrics}: {options.figures(counted.to_dict())}")

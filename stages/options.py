@@ -5,7 +5,7 @@ from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager, suppress
 from enum import StrEnum
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
@@ -44,9 +44,13 @@ RecordEvery = Annotated[
     int, typer.Option(min=1, help="Control steps (1/30 s) in a frame: an action is held for them.")
 ]
 Cut = Annotated[
-    float, typer.Option(min=0, max=1, help="A frame is unsafe below this safe probability.")
+    float | None,
+    typer.Option(
+        min=0,
+        max=1,
+        help="A frame is unsafe below this safe probability; by default the safety policy's own.",
+    ),
 ]
-Tau = Annotated[float, typer.Option(min=0, help="A frame is unsafe above this deviation.")]
 Metrics = Annotated[
     Path, typer.Option(help="Where to write what was measured (JSON). It must not exist.")
 ]
@@ -77,6 +81,15 @@ Patience = Annotated[
 Threads = Annotated[
     int, typer.Option(min=1, help="Processor threads. Another number may give other last bits.")
 ]
+
+
+def arguments(context: typer.Context) -> dict[str, Any]:
+    """What a command was given that decides what it makes: no paths, no workers."""
+    return {
+        name: value.value if isinstance(value, StrEnum) else value
+        for name, value in context.params.items()
+        if value is not None and not isinstance(value, Path) and name != "workers"
+    }
 
 
 def names(listed: str) -> list[str]:

@@ -16,6 +16,7 @@ app = typer.Typer()
 
 @app.command()
 def rollout(
+    context: typer.Context,
     primary: options.Primary,
     safety: options.Safety,
     output: options.Output,
@@ -29,44 +30,46 @@ def rollout(
     offset_spread: options.OffsetSpread,
     angle_spread: options.AngleSpread,
     record_every: options.RecordEvery,
-    cut: options.Cut,
     iteration: Annotated[
         int, typer.Option(min=1, help="The iteration of Algorithm 1 that this is for.")
     ],
     metrics: options.Metrics,
     seed: options.Seed,
     workers: options.Workers,
+    cut: options.Cut = None,
 ) -> None:
     """Drive by the safe strategy, keep all (D', line 6)."""
     import numpy as np
 
-    from pipeline.data.schema import CONTROL_HZ
+    from pipeline.data.lineage import Recipe
     from pipeline.data.writing import write_dataset
     from pipeline.evaluation.writing import write_metrics
     from pipeline.learning.labels import LabelRule
     from pipeline.learning.quality import detection_quality
     from pipeline.output import refuse_existing
     from pipeline.policies.inference import Driver
-    from pipeline.policies.loading import SAFETY_TYPE, read_config
+    from pipeline.policies.loading import driving_rule, policy_lineage, read_labels
     from pipeline.policies.recording import SEED_STREAMS, Drive, record_all, until_queries
-    from pipeline.policies.strategies import Rule, Strategy
+    from pipeline.policies.strategies import Strategy
+    from pipeline.world.features import ROBOT_TYPE, check_record_every
 
     refuse_existing(output)
     refuse_existing(metrics)
-    names = options.names(tracks)
+    names, fps = options.names(tracks), check_record_every(record_every)
+    rule = driving_rule(safety, Strategy.SAFE, cut)
     plan = Drive(
         track=names[0],
         traffic=traffic,
         spread=(offset_spread, angle_spread),
         seed=(seed, SEED_STREAMS["rollout"] + iteration),
-        rule=Rule(Strategy.SAFE, cut=cut),
+        rule=rule,
         record_every=record_every,
         seconds=seconds,
     )
     driver = Driver.load(primary, safety)
     drives = record_all(plan, names, count(), driver, iteration=iteration, workers=workers)
-    config = read_config(safety, SAFETY_TYPE)
-    labels = LabelRule.of(config)
+    labels = read_labels(safety)
+    held_against = LabelRule.of(labels)
     probabilities: list[np.ndarray] = []
     deviations: list[np.ndarray] = []
 
@@ -78,18 +81,23 @@ def rollout(
                 columns = recording.episode.columns
                 probabilities.append(columns["safe_probability"][:, 0])
                 deviations.append(
-                    labels.deviation(
+                    held_against.deviation(
                         columns["primary_action"],
                         recording.reference_actions,
                         columns["source.episode"][:, 0],
-                        CONTROL_HZ / record_every,
+                        fps,
                     )
                 )
                 asked += recording.queries
                 advance_to(asked)
 
-    summary = write_dataset(output, driven(), record_every=record_every)
-    tau = config["tau"]
-    quality = detection_quality(np.concatenate(probabilities), np.concatenate(deviations), tau, cut)
+    # the labels too: whoever looks at the rollout later has no safety policy at hand
+    arguments = options.arguments(context) | {"cut": rule.cut, "labels": labels}
+    recipe = Recipe("rollout", arguments, [policy_lineage(primary), policy_lineage(safety)])
+    summary = write_dataset(output, driven(), recipe, fps=fps, robot=ROBOT_TYPE)
+    tau = labels["tau"]
+    quality = detection_quality(
+        np.concatenate(probabilities), np.concatenate(deviations), tau, rule.cut
+    )
     write_metrics(metrics, {"tau": tau, "rollout": quality})
     typer.echo(f"{summary}; {options.figures(quality)}")

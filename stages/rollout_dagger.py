@@ -16,6 +16,7 @@ app = typer.Typer()
 
 @app.command()
 def rollout_dagger(
+    context: typer.Context,
     primary: options.Primary,
     output: options.Output,
     tracks: options.Tracks,
@@ -33,11 +34,14 @@ def rollout_dagger(
     workers: options.Workers,
 ) -> None:
     """Drive with DAgger's mixture, all labelled (Section 2.6)."""
+    from pipeline.data.lineage import Recipe
     from pipeline.data.writing import write_dataset
     from pipeline.output import refuse_existing
     from pipeline.policies.inference import Driver
+    from pipeline.policies.loading import policy_lineage
     from pipeline.policies.recording import SEED_STREAMS, Drive, record_all, until_queries
     from pipeline.policies.strategies import Rule, Strategy
+    from pipeline.world.features import ROBOT_TYPE, check_record_every
 
     refuse_existing(output)
     names = options.names(tracks)
@@ -61,4 +65,6 @@ def rollout_dagger(
                 asked += recording.queries
                 advance_to(asked)
 
-    typer.echo(write_dataset(output, driven(), record_every=record_every))
+    recipe = Recipe("rollout-dagger", options.arguments(context), [policy_lineage(primary)])
+    fps = check_record_every(record_every)
+    typer.echo(write_dataset(output, driven(), recipe, fps=fps, robot=ROBOT_TYPE))

@@ -17,14 +17,7 @@ def sample(
     seed: options.Seed,
 ) -> None:
     """Keep a uniform sample of frames: DAgger (Section 4.2)."""
-    import numpy as np
+    from pipeline.data.dataset import Dataset
+    from pipeline.data.selecting import sample as keep_sample
 
-    from pipeline.data.reading import check_dataset, read_columns, read_episodes
-    from pipeline.data.selecting import sample_frames
-    from pipeline.data.writing import write_dataset
-
-    record_every = check_dataset(raw)
-    total = len(read_columns(raw, [])["frame_index"])
-    rng = np.random.default_rng(seed)
-    kept = sample_frames(read_episodes(raw), total, frames, rng)
-    typer.echo(write_dataset(output, kept, record_every=record_every))
+    typer.echo(keep_sample(Dataset.open(raw), output, frames, seed))

@@ -1,4 +1,4 @@
-"""Line 7 of Algorithm 1: keep of D' what the safety policy called unsafe."""
+"""Line 7 of Algorithm 1: keep of D' what the reference was asked about."""
 
 import typer
 
@@ -8,14 +8,15 @@ app = typer.Typer()
 
 
 @app.command()
-def select(raw: options.Dataset, output: options.Output, cut: options.Cut) -> None:
-    """Select the frames that were called unsafe (line 7)."""
-    from pipeline.data.reading import check_dataset, read_episodes
-    from pipeline.data.selecting import check_unsafe, select_unsafe
-    from pipeline.data.writing import write_dataset
+def select(raw: options.Dataset, output: options.Output) -> None:
+    """Select what the reference was asked about (line 7)."""
+    from pipeline.data.dataset import Dataset
+    from pipeline.data.selecting import select as keep_asked
 
-    record_every = check_dataset(raw)
-    check_unsafe(raw, cut)
-    typer.echo(
-        write_dataset(output, select_unsafe(read_episodes(raw), cut), record_every=record_every)
-    )
+    dataset = Dataset.open(raw)
+    summary = keep_asked(dataset, output)
+    if not dataset.has("queried"):
+        typer.echo(f"{raw}: nobody wrote down what was queried, intervention stands for it")
+    if summary.frames == 0:
+        typer.echo(f"{raw}: the reference was asked nothing, so there is nothing to learn from it")
+    typer.echo(summary)

@@ -12,6 +12,7 @@ app = typer.Typer()
 
 @app.command()
 def train_primary(
+    context: typer.Context,
     dataset: options.Dataset,
     output: options.Output,
     channels: Annotated[int, typer.Option(min=1, help="Of Conv1 to Conv4; 64 in the paper.")],
@@ -45,14 +46,17 @@ def train_primary(
     ] = None,
 ) -> None:
     """Train a primary to imitate the reference (lines 3, 9)."""
+    from pipeline.data.dataset import Dataset
+    from pipeline.data.images import read_images
     from pipeline.data.labels import check_labels
-    from pipeline.data.reading import read_columns, read_images
+    from pipeline.data.lineage import Recipe
     from pipeline.learning.settings import PrimarySettings
     from pipeline.learning.training import train_primary as train
     from pipeline.output import new_directory
-    from pipeline.policies.loading import load_primary
+    from pipeline.policies.loading import load_primary, policy_lineage, weights_sha256
     from pipeline.policies.network import LossWeights
     from pipeline.policies.primary import PrimaryConfig, PrimaryPolicy
+    from pipeline.world.features import CAMERA, IMITATED
     from pipeline.world.traffic import SENSOR_RANGE
 
     loss = LossWeights(steering=steering_weight, brake=brake_weight, brake_on=brake_on)
@@ -76,18 +80,23 @@ def train_primary(
         channels=channels, sensor_range=SENSOR_RANGE, brake_cut=brake_cut, loss=loss
     )
     with new_directory(output) as folder:
-        check_labels(dataset)
-        columns = read_columns(dataset, ["action", "affordances"])
+        learned = Dataset.open(dataset)
+        learned.require(IMITATED)
+        check_labels(learned)
+        columns = learned.columns(["action", "affordances"])
         start = load_primary(initial).state_dict() if initial else None
         with options.progress("training", passes) as advance_to:
             network, measured = train(
-                read_images(dataset),
+                read_images(learned, CAMERA),
                 columns["action"],
                 columns["affordances"],
-                columns["episode_index"],
+                learned.episode_index,
                 settings,
                 initial=start,
                 on_epoch=lambda epoch, epochs, metrics: advance_to(metrics["passes"]),
             )
         PrimaryPolicy(config, network).save_pretrained(folder)
-    typer.echo(f"{output}: trained on {len(columns['action'])} frames, {options.figures(measured)}")
+        parents = [learned.lineage, *([policy_lineage(initial)] if initial else [])]
+        recipe = Recipe("primary", options.arguments(context), parents)
+        recipe.lineage(weights_sha256(folder)).write(folder)
+    typer.echo(f"{output}: trained on {len(learned)} frames, {options.figures(measured)}")

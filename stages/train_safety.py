@@ -20,6 +20,7 @@ class HorizonMode(StrEnum):
 
 @app.command()
 def train_safety(
+    context: typer.Context,
     primary: options.Primary,
     d_safe: Annotated[Path, typer.Argument(help="D_safe: no primary was trained on it.")],
     dataset: Annotated[Path, typer.Argument(help="D_i: this primary was trained on it.")],
@@ -66,7 +67,9 @@ def train_safety(
 
     import numpy as np
 
+    from pipeline.data.dataset import Dataset
     from pipeline.data.identity import refuse_shared
+    from pipeline.data.lineage import Recipe
     from pipeline.evaluation.writing import write_metrics
     from pipeline.learning.labels import LabelRule, safe_labels
     from pipeline.learning.quality import detection_quality
@@ -75,7 +78,12 @@ def train_safety(
     from pipeline.learning.training import safe_probabilities
     from pipeline.learning.training import train_safety as train
     from pipeline.output import new_directory, refuse_existing
-    from pipeline.policies.loading import load_primary, read_brake_cut, weights_sha256
+    from pipeline.policies.loading import (
+        load_primary,
+        policy_lineage,
+        read_brake_cut,
+        weights_sha256,
+    )
     from pipeline.policies.safety import SafetyConfig, SafetyPolicy
 
     refuse_existing(metrics)
@@ -106,11 +114,12 @@ def train_safety(
     )
     rule = LabelRule(include_brake, horizon, horizon_mode.value)
     with new_directory(output) as folder:
-        refuse_shared(dataset, d_safe)
+        safe_data, own_data = Dataset.open(d_safe), Dataset.open(dataset)
+        refuse_shared(own_data, safe_data)
         judged = partial(judge, network, brake_cut=read_brake_cut(primary), rule=rule)
-        unseen = judged(d_safe)
+        unseen = judged(safe_data)
         kept = held_out_episodes(unseen, held_out, np.random.default_rng(seed))
-        shown = unseen.only(~kept) + judged(dataset)
+        shown = unseen.only(~kept) + judged(own_data)
         safe = safe_labels(shown.deviation, tau)
         if len(np.unique(safe)) == 1:
             kind = "safe" if safe[0] else "unsafe"
@@ -124,6 +133,9 @@ def train_safety(
                 on_epoch=lambda epoch, epochs, now: advance_to(now["passes"]),
             )
         SafetyPolicy(config, safety).save_pretrained(folder)
+        parents = [policy_lineage(primary), safe_data.lineage, own_data.lineage]
+        recipe = Recipe("safety", options.arguments(context), parents)
+        recipe.lineage(weights_sha256(folder)).write(folder)
         measured = unseen.only(kept)
         quality = detection_quality(
             safe_probabilities(safety, measured.features), measured.deviation, tau, cut

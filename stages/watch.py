@@ -35,27 +35,28 @@ def watch(
         Path | None, typer.Argument(help="Its safety policy, as train-safety writes it.")
     ] = None,
     record_every: options.RecordEvery = 3,
-    cut: options.Cut = 0.5,
+    cut: options.Cut = None,
     save: options.Save = None,
     web: options.Web = False,
 ) -> None:
     """Drive, and show it in Rerun meanwhile. Ctrl-C ends the drive."""
-    from pipeline.data.schema import CONTROL_HZ
     from pipeline.inspection.live import Tally, in_real_time, watched
     from pipeline.inspection.rerun_blueprints import live_blueprint
     from pipeline.inspection.rerun_camera import RAW
     from pipeline.inspection.rerun_log import drive_tracer, new_recording
     from pipeline.policies.inference import Driver
+    from pipeline.policies.judgement import Judgement
     from pipeline.policies.loading import driving_rule
     from pipeline.policies.recording import Drive
     from pipeline.policies.strategies import Rule, Strategy
+    from pipeline.world.features import CONTROL_HZ
     from pipeline.world.tracks import make_track
 
-    driver, rule, tau = None, Rule(Strategy.REFERENCE), float("nan")
+    driver, rule, judgement = None, Rule(Strategy.REFERENCE), None
     if primary is not None and safety is not None:
         driver = Driver.load(primary, safety)
         rule = driving_rule(safety, Strategy(strategy), cut)
-        tau = rule.tau
+        judgement = Judgement.of_rule(rule)
     elif primary is not None:
         raise typer.BadParameter(f"{primary} alone, expected its safety policy after it")
     elif strategy is not Driving.reference:
@@ -75,7 +76,7 @@ def watch(
     with options.rerun_sink(save, web, live_blueprint(fps)) as sink:
         name, title = f"{track}/{strategy}/{seed}", f"{strategy}, {plan.task}, seed {seed}"
         with new_recording(name, title, make_track(track), sink.connect) as recording:
-            tracer = drive_tracer(recording, fps=fps, cut=cut, tau=tau, camera=RAW)
+            tracer = drive_tracer(recording, fps=fps, judgement=judgement, camera=RAW)
             with suppress(KeyboardInterrupt):
                 for world, footage in frames if save else in_real_time(frames, fps):
                     if not sink.is_open():

@@ -1,8 +1,33 @@
-"""Random valid episodes, for any test that needs a dataset."""
+"""Random valid episodes and datasets of them, for any test that needs one."""
+
+from collections.abc import Iterable
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 
-from pipeline.data.schema import ACTIONS, CAMERA, IMAGE_SHAPE, Episode
+from pipeline.data.dataset import Dataset
+from pipeline.data.lineage import Recipe
+from pipeline.data.schema import OWN, Asked, Episode
+from pipeline.data.writing import write_dataset
+from pipeline.world.features import ACTIONS, CAMERA, FEATURES, IMAGE_SHAPE, ROBOT_TYPE
+
+LABELS = {"tau": 0.0025, "include_brake": False, "horizon": 0.0, "horizon_mode": "last"}
+JUDGED = {"cut": 0.5, "labels": LABELS}
+"""What a rollout's lineage says of its safety policy; a random episode is driven with this cut."""
+
+
+def write(
+    path: Path,
+    episodes: Iterable[Episode],
+    purpose: str = "D_0",
+    *,
+    fps: int = 10,
+    **arguments: Any,
+) -> Dataset:
+    """A dataset of the car's."""
+    write_dataset(path, episodes, Recipe(purpose, arguments), fps=fps, robot=ROBOT_TYPE)
+    return Dataset.open(path)
 
 
 def random_episode(
@@ -43,10 +68,14 @@ def random_episode(
             "queried": intervention.copy(),
             "safe_probability": safe_probability,
             "deviation": deviation,
+            "asked_because": np.where(intervention, Asked.DROVE, Asked.NOT).astype(np.int64),
+            "ask_probability": intervention.astype(np.float32),
+            "source.dataset": np.full((frames, 1), OWN, np.int64),
             "source.iteration": np.full((frames, 1), iteration, np.int64),
             "source.episode": np.full((frames, 1), episode, np.int64),
             "source.frame": np.arange(first_frame, first_frame + frames, dtype=np.int64)[:, None],
         },
+        FEATURES,
     )
 
 

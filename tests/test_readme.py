@@ -27,7 +27,7 @@ def test_one_iteration_by_hand(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     """Every command as printed, in this process: LeRobot takes long to import."""
-    from pipeline.data.reading import read_columns
+    from pipeline.data.dataset import Dataset
 
     monkeypatch.chdir(tmp_path)
     typed = commands("One stage by hand")
@@ -38,5 +38,5 @@ def test_one_iteration_by_hand(
         assert exit_.value.code == 0, (command, capsys.readouterr().err)
     of_an_iteration = {path.stem.replace("_", "-") for path in STAGES} - OF_A_RUN
     assert {command[1] for command in typed} == of_an_iteration
-    assert len(read_columns(Path("mine/new_1"))["queried"]) == 50
-    assert len(read_columns(Path("mine/new_dagger_1"))["queried"]) == 50
+    for name in ("new_1", "new_dagger_1"):
+        assert len(Dataset.open(Path("mine", name))) == 50

@@ -3,7 +3,9 @@
 import os
 from pathlib import Path
 
-from pipeline.cards.lineage import Origin, read_origins, whole
+from pipeline.data.dataset import Dataset
+from pipeline.data.lineage import Lineage
+from pipeline.policies.loading import policy_lineage
 
 
 class Catalogue:
@@ -12,47 +14,38 @@ class Catalogue:
     Args:
         datasets: a folder of datasets.
         models: a folder of policies; it may be the same one.
-        lock: a dvc.lock; None where nothing is known of where they come from.
         dataset_cards: the folder of the datasets' cards.
         model_cards: the folder of the policies' cards.
 
     Raises:
-        FileNotFoundError: a folder or the lock is missing.
-        ValueError: there is nothing in a folder, or the lock is none.
+        FileNotFoundError: a folder is missing.
+        ValueError: there is nothing in a folder, or something is not what it should be.
     """
 
     def __init__(
-        self,
-        datasets: Path,
-        models: Path,
-        lock: Path | None,
-        *,
-        dataset_cards: Path,
-        model_cards: Path,
+        self, datasets: Path, models: Path, *, dataset_cards: Path, model_cards: Path
     ) -> None:
-        self.datasets = _with(datasets, "meta", "dataset")
-        self.models = _with(models, "config.json", "policy")
-        self._origins = read_origins(lock) if lock else {}
-        self._folders = {True: dataset_cards, False: model_cards}
-        self._cards = {whole(path): dataset_cards / f"{path.name}.md" for path in self.datasets} | {
-            whole(path): model_cards / f"{path.name}.md" for path in self.models
+        self.datasets = [Dataset.open(path) for path in _with(datasets, "meta", "dataset")]
+        self.models = {
+            path: policy_lineage(path) for path in _with(models, "config.json", "policy")
+        }
+        self._cards = {
+            dataset.lineage.sha256: dataset_cards / f"{dataset.path.name}.md"
+            for dataset in self.datasets
+        } | {
+            lineage.sha256: model_cards / f"{path.name}.md" for path, lineage in self.models.items()
         }
 
-    def origin(self, path: Path) -> Origin | None:
-        """The stage that made a dataset or a policy, where that is known."""
-        return self._origins.get(whole(path))
+    def model(self, sha256: str) -> Path | None:
+        """The policy whose weights these are, if it is one that is here."""
+        return next((path for path, each in self.models.items() if each.sha256 == sha256), None)
 
-    def parents(self, path: Path) -> list[Path]:
-        """What that stage read of what other stages had made."""
-        origin = self.origin(path)
-        return list(origin.parents) if origin else []
-
-    def link(self, made: Path, card_of: Path) -> str:
-        """In markdown, from the card of `card_of` to the card of `made`; its name if it has none."""
-        card = self._cards.get(whole(made))
+    def link(self, made: Lineage, card_of: Lineage) -> str:
+        """In markdown, from the card of `card_of` to the card of `made`; its purpose if it has none."""
+        card = self._cards.get(made.sha256)
         if card is None:
-            return f"`{made.name}`"
-        return f"[{made.name}]({_seen_from(self._cards[whole(card_of)].parent, card)})"
+            return f"`{made.own.purpose}` {made.sha256[:8]}"
+        return f"[{card.stem}]({_seen_from(self._cards[card_of.sha256].parent, card)})"
 
 
 def place(path: Path) -> str:

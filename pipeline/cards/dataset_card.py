@@ -6,11 +6,12 @@ from typing import Any
 from huggingface_hub import DatasetCard, DatasetCardData
 
 from pipeline.cards.facts import Count, Facts
-from pipeline.cards.lineage import Origin
+from pipeline.cards.origin import shown
 from pipeline.cards.purposes import PROJECT, purpose
 from pipeline.cards.strip import sample_rows
-from pipeline.data.schema import CONTROL_HZ, FEATURES
+from pipeline.data.lineage import Made
 from pipeline.evaluation.wording import count, share, table
+from pipeline.world.features import CONTROL_HZ, FEATURES
 
 MEANINGS = {
     "observation.images.front": "the camera, 160 x 72 RGB, lossless",
@@ -24,6 +25,11 @@ MEANINGS = {
     "queried": "the frame cost a query",
     "safe_probability": "the safety policy's; below the cut is unsafe",
     "deviation": "squared difference of the two steerings (the brakes are not in it), where both are known",
+    "asked_because": "why the reference was asked: 0 it drove, 1 an audit, 2 DAgger's mixture, 3 "
+    "afterwards; -1 it was not",
+    "ask_probability": "with which probability it was asked; 1 where it drove",
+    "source.dataset": "the dataset in which the frame was first recorded: the first 63 bits of its "
+    "sha256 in `safedagger.json`",
     "source.iteration": "the iteration in which the frame was first recorded",
     "source.episode": "the drive of that iteration",
     "source.frame": "the frame of that drive",
@@ -37,9 +43,8 @@ def render_dataset_card(
     facts: Facts,
     *,
     place: str,
-    picture: str,
-    tau: float,
-    origin: Origin | None,
+    picture: str | None,
+    made: Made,
     parents: Sequence[str],
 ) -> str:
     """The card as markdown with the front matter of a dataset on the Hub.
@@ -47,12 +52,10 @@ def render_dataset_card(
     Args:
         facts: the dataset's.
         place: its path, from where the project is.
-        picture: where the strip of its sample frames is, as seen from the card.
-        tau: of `facts`.
-        origin: what made it; None where that is not known.
+        picture: where the strip of its sample frames is, as seen from the card; None without frames.
+        made: how it was made.
         parents: what that was made from, in markdown.
     """
-    sampled = len(sample_rows(facts.total.frames))
     return str(
         DatasetCard(
             f"""---
@@ -61,17 +64,15 @@ def render_dataset_card(
 
 # {facts.name}
 
-{purpose(origin)} {PROJECT}
+{purpose(made)} {PROJECT}
 
-![Sample frames of {facts.name}]({picture})
+{_frames(facts, picture)}
 
-{sampled} of its frames, evenly spaced.
-
-{_size(facts, tau)}
+{_size(facts)}
 
 ## Where it comes from
 
-{_lineage(origin, parents)}
+{_lineage(made, parents)}
 
 ## What is in it
 
@@ -112,7 +113,14 @@ def _front_matter(facts: Facts) -> DatasetCardData:
     )
 
 
-def _size(facts: Facts, tau: float) -> str:
+def _frames(facts: Facts, picture: str | None) -> str:
+    if picture is None:
+        return "It has no frames: nothing was asked."
+    sampled = len(sample_rows(facts.total.frames))
+    return f"![Sample frames of {facts.name}]({picture})\n\n{sampled} of its frames, evenly spaced."
+
+
+def _size(facts: Facts) -> str:
     total = facts.total
     judged, known = facts.judged, facts.compared
     seconds = total.frames * facts.record_every / CONTROL_HZ
@@ -131,26 +139,34 @@ def _size(facts: Facts, tau: float) -> str:
             *_spread("angle to the lane, at most [rad]", facts.angle),
             ["frames that a safety policy judged", *_part(judged, total.frames)],
             *([["of these, called unsafe", *_part(facts.called_unsafe, judged)]] if judged else []),
-            ["frames whose deviation is known", *_part(known, total.frames)],
             *(
-                [[f"of these, above tau = {tau:g}", *_part(facts.deviating, known)]]
+                [
+                    ["of a safety policy's, both actions known", *_part(known, total.frames)],
+                    [
+                        f"of these, unsafe: {' or '.join(facts.unsafe_is)}",
+                        *_part(facts.deviating, known),
+                    ],
+                ]
                 if known
                 else []
             ),
+            *([f"drives: {ended}", count(drives), ""] for ended, drives in facts.endings.items()),
         ],
     )
 
 
-def _spread(what: str, within: tuple[float, float]) -> list[list[str]]:
+def _spread(what: str, within: tuple[float, float] | None) -> list[list[str]]:
+    if within is None:
+        return []
     half, most = within
     return [[what, f"{half:.2f}", "50 %"], [what, f"{most:.2f}", "95 %"]]
 
 
-def _lineage(origin: Origin | None, parents: Sequence[str]) -> str:
-    if origin is None:
-        return "Not known: no `dvc.lock` says what made it."
+def _lineage(made: Made, parents: Sequence[str]) -> str:
+    if made.purpose == "foreign":
+        return "Not known: there is no `safedagger.json` that says what made it."
     made_from = f"Made from {', '.join(parents)}." if parents else "Made from no other dataset."
-    return f"{made_from} {origin.shown()}"
+    return f"{made_from} {shown(made)}"
 
 
 def _counts(what: str, counts: Mapping[Any, Count]) -> str:
@@ -209,4 +225,4 @@ def _limits(facts: Facts) -> str:
 
 
 def _part(part: int, whole: int) -> tuple[str, str]:
-    return count(part), share(part / whole)
+    return count(part), share(part / whole) if whole else ""

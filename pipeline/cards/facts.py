@@ -1,16 +1,16 @@
 """What there is to say of a dataset, counted from its columns. N is the number of its rows."""
 
+from collections import Counter
 from collections.abc import Callable
 from dataclasses import dataclass
-from pathlib import Path
 
 import numpy as np
-import pyarrow.parquet as pq
 from numpy.typing import NDArray
 
-from pipeline.data.reading import check_dataset, read_columns, read_numbers
-from pipeline.data.schema import AFFORDANCES, FEATURES
+from pipeline.data.dataset import Dataset
+from pipeline.policies.judgement import judgements
 from pipeline.world.affordances import FULL_ANGLE
+from pipeline.world.features import AFFORDANCES, CONTROL_HZ, IMITATED
 from pipeline.world.tracks import LANE_WIDTH
 
 
@@ -43,14 +43,18 @@ class Facts:
     called_unsafe: int
     """of these, the ones it called unsafe: the reference drove"""
     compared: int
-    """frames whose deviation is known"""
+    """frames of a rollout by a safety policy in which both actions are known"""
     deviating: int
-    """of these, the ones above tau"""
+    """of these, the ones that its labels call unsafe"""
+    unsafe_is: tuple[str, ...]
+    """by these labels: what is above which tau, in words"""
+    endings: dict[str, int]
+    """drives that were recorded here, by how they ended"""
     braking: int
     """frames whose action brakes"""
-    offset: tuple[float, float]
-    """[m] from the middle of the lane, at most, in half and in 95 % of the frames"""
-    angle: tuple[float, float]
+    offset: tuple[float, float] | None
+    """[m] from the middle of the lane, at most, in half and in 95 % of the frames; None without any"""
+    angle: tuple[float, float] | None
     """[rad] to the lane, the same"""
     cut_out: int
     """episodes that begin within a drive"""
@@ -60,19 +64,19 @@ class Facts:
     """by column: frames in which it is NaN"""
 
 
-def read_facts(path: Path, tau: float) -> Facts:
-    """Count a dataset; a deviation above `tau` is one too many.
+def read_facts(dataset: Dataset) -> Facts:
+    """Count a dataset of the car's.
 
     Raises:
-        FileNotFoundError, ValueError: as `check_dataset`.
+        ValueError: it is another robot's.
     """
-    columns = read_columns(path)
-    episode = columns["episode_index"]
-    _, firsts, lengths = np.unique(episode, return_index=True, return_counts=True)
+    dataset.require(IMITATED)
+    columns = dataset.columns(n for n in dataset.with_core if n not in dataset.cameras)
+    episode, lengths = dataset.episode_index, dataset.lengths
     intervention = columns["intervention"][:, 0]
     judged = ~np.isnan(columns["safe_probability"][:, 0])
-    deviation = columns["deviation"][:, 0]
     affordances = columns["affordances"]
+    compared, deviating, unsafe_is = _unsafe(dataset, columns)
 
     def count(rows: NDArray[np.bool_]) -> Count:
         return Count(
@@ -82,31 +86,50 @@ def read_facts(path: Path, tau: float) -> Facts:
             by_reference=int(intervention[rows].sum()),
         )
 
+    firsts = [start for start, _ in dataset.bounds]
     return Facts(
-        name=path.name,
-        record_every=check_dataset(path),
-        total=count(np.ones(len(episode), bool)),
-        scenarios=_by(_tasks(path), count),
+        name=dataset.path.name,
+        record_every=CONTROL_HZ // dataset.fps,
+        total=count(np.ones(len(dataset), bool)),
+        scenarios=_by(np.repeat(np.array(dataset.tasks, dtype=str), lengths), count),
         iterations=_by(columns["source.iteration"][:, 0], count),
         judged=int(judged.sum()),
         called_unsafe=int((judged & intervention).sum()),
-        compared=int((~np.isnan(deviation)).sum()),
-        deviating=int((deviation > tau).sum()),
+        compared=compared,
+        deviating=deviating,
+        unsafe_is=unsafe_is,
+        endings=dict(Counter(drive["ended"] for drive in dataset.drives)),
         offset=_within(affordances[:, AFFORDANCES.index("lane_position")] * LANE_WIDTH / 2),
         angle=_within(affordances[:, AFFORDANCES.index("lane_angle")] * FULL_ANGLE),
         braking=int((columns["action"][:, 1] > 0).sum()),
         cut_out=int((columns["source.frame"][firsts, 0] > 0).sum()),
         single=int((lengths == 1).sum()),
         unknown={
-            name: int(np.isnan(columns[name]).any(axis=1).sum())
-            for name, feature in FEATURES.items()
-            if feature["dtype"] == "float32"
+            name: int(np.isnan(values).any(axis=1).sum())
+            for name, values in columns.items()
+            if values.dtype.kind == "f"
         },
     )
 
 
-def _within(amount: NDArray[np.floating]) -> tuple[float, float]:
+def _unsafe(dataset: Dataset, columns: dict[str, NDArray]) -> tuple[int, int, tuple[str, ...]]:
+    """Frames that can be compared, those of them that are unsafe, and by what labels."""
+    compared = deviating = 0
+    words = []
+    for source, judgement in sorted(judgements(dataset.lineage).items()):
+        rows = (columns["source.dataset"][:, 0] == source) & columns["queried"][:, 0]
+        if rows.any():
+            epsilon = judgement.deviation(columns["primary_action"][rows], columns["action"][rows])
+            compared += int((~np.isnan(epsilon)).sum())
+            deviating += int((epsilon > judgement.tau).sum())
+            words.append(f"deviation of {judgement.measure} above tau = {judgement.tau:g}")
+    return compared, deviating, tuple(dict.fromkeys(words))
+
+
+def _within(amount: NDArray[np.floating]) -> tuple[float, float] | None:
     """The sizes that half and that 95 % of `amount` [N] do not exceed."""
+    if len(amount) == 0:
+        return None
     half, most = np.quantile(np.abs(amount), (0.5, 0.95))
     return float(half), float(most)
 
@@ -114,11 +137,3 @@ def _within(amount: NDArray[np.floating]) -> tuple[float, float]:
 def _by[Key](keys: NDArray, count: Callable[[NDArray[np.bool_]], Count]) -> dict[Key, Count]:
     """Counts by each of `keys` [N], sorted."""
     return {key: count(keys == key) for key in np.unique(keys).tolist()}
-
-
-def _tasks(path: Path) -> NDArray[np.str_]:
-    """The task of each row, [N]."""
-    tasks = pq.read_table(path / "meta" / "tasks.parquet").to_pydict()
-    names = dict(zip(tasks["task_index"], tasks["task"], strict=True))
-    index = read_numbers(path, ["task_index"])["task_index"][:, 0]
-    return np.array([names[i] for i in index.tolist()])

@@ -6,17 +6,18 @@ from dataclasses import dataclass
 from huggingface_hub import ModelCard
 
 from pipeline.cards.facts import Facts
-from pipeline.cards.lineage import Origin
 from pipeline.cards.measured import Measured
 from pipeline.cards.model_index import front_matter
+from pipeline.cards.origin import shown
 from pipeline.cards.policy import PolicyFacts
 from pipeline.cards.purposes import PROJECT
 from pipeline.cards.quickstart import quickstart
 from pipeline.cards.results import detection, driving
-from pipeline.data.schema import AFFORDANCES
+from pipeline.data.lineage import Made
 from pipeline.evaluation.summary import CONDITIONS
 from pipeline.evaluation.wording import CONDITION_WORDS, count, share, table
 from pipeline.policies.strategies import Strategy
+from pipeline.world.features import AFFORDANCES
 
 _CONFIG = {
     "primary_sha256": "of the weights of the primary that it watches: it fits no other",
@@ -39,7 +40,7 @@ _CONFIG = {
 class Training:
     """What a policy was made from. Links are markdown, as seen from the card."""
 
-    origin: Origin
+    made: Made
     datasets: Sequence[tuple[str, Facts | None]]
     """each dataset's link, and its facts where it is still there"""
     policies: Sequence[str]
@@ -51,7 +52,6 @@ def render_model_card(
     measured: Measured,
     *,
     training: Training | None,
-    evaluation: Origin | None,
     primary: str | None,
     safety: str | None,
     record_every: int,
@@ -62,7 +62,6 @@ def render_model_card(
         policy: what it is.
         measured: what it is worth.
         training: what it was made from; None where that is not known.
-        evaluation: what measured how it drives; None where that is not known.
         primary: path of the primary to drive: the policy itself, or the one it watches; None where
             that is not known.
         safety: path of the policy if it is a safety policy, else None.
@@ -89,7 +88,7 @@ def render_model_card(
 
 ## How it drives
 
-{driving(measured, evaluation)}{detection(measured)}
+{driving(measured)}{detection(measured)}
 
 ## Limits
 
@@ -139,7 +138,7 @@ def _config(policy: PolicyFacts) -> str:
 
 def _training(policy: PolicyFacts, training: Training | None) -> str:
     if training is None:
-        return "Not known: no `dvc.lock` says what made it."
+        return "Not known: there is no `safedagger.json` that says what made it."
     rows = [
         [link, *((count(f.total.episodes), count(f.total.frames)) if f else ("-", "-"))]
         for link, f in training.datasets
@@ -148,7 +147,7 @@ def _training(policy: PolicyFacts, training: Training | None) -> str:
     if training.policies:
         what = "The primary that it watches" if policy.is_safety else "It starts from"
         parts.append(f"{what}: {', '.join(training.policies)}.")
-    return "\n\n".join([*parts, training.origin.shown()])
+    return "\n\n".join([*parts, shown(training.made)])
 
 
 def _limits(policy: PolicyFacts, measured: Measured, datasets: Sequence[Facts]) -> str:

@@ -1,6 +1,5 @@
 """What was measured of a policy, as its card shows it."""
 
-from pipeline.cards.lineage import Origin
 from pipeline.cards.measured import Measured
 from pipeline.evaluation.wording import CONDITION_WORDS, amount, count, laps, ratio, share, table
 from pipeline.policies.strategies import Strategy
@@ -13,8 +12,8 @@ _STRATEGIES: dict[str, str] = {
 }
 
 
-def driving(measured: Measured, evaluation: Origin | None) -> str:
-    """The metrics of Sec. 4.4, and what measured them."""
+def driving(measured: Measured) -> str:
+    """The metrics of Sec. 4.4."""
     if not measured.driving:
         return "Nobody has evaluated it."
     used = dict.fromkeys(strategy for strategy, _ in measured.driving)
@@ -37,8 +36,7 @@ def driving(measured: Measured, evaluation: Origin | None) -> str:
     header += ["steering MSE", "the reference drives", "drives that left the road"]
     tracks = ", ".join(measured.tracks)
     where = f"the test tracks {tracks}" if TEST.keys() >= set(measured.tracks) else tracks
-    found = f"On {where}; {strategies}:\n\n{table(header, rows, words=2)}"
-    return f"{found}\n\n{evaluation.shown()}" if evaluation else found
+    return f"On {where}; {strategies}:\n\n{table(header, rows, words=2)}"
 
 
 def detection(measured: Measured) -> str:

@@ -6,46 +6,48 @@ from pathlib import Path
 from pipeline.cards.catalogue import Catalogue, place
 from pipeline.cards.dataset_card import render_dataset_card
 from pipeline.cards.facts import Facts, read_facts
-from pipeline.cards.lineage import whole
-from pipeline.cards.measured import driving_file, read_measured
+from pipeline.cards.measured import read_measured
 from pipeline.cards.model_card import Training, render_model_card
 from pipeline.cards.policy import PolicyFacts, read_policy
 from pipeline.cards.strip import sample_rows, strip
-from pipeline.data.reading import read_some_images
+from pipeline.data.images import read_some_images
+from pipeline.data.lineage import Lineage
+from pipeline.world.features import CAMERA
 
 
-def write_dataset_cards(folder: Path, catalogue: Catalogue, *, tau: float) -> dict[Path, Facts]:
+def write_dataset_cards(folder: Path, catalogue: Catalogue) -> dict[str, Facts]:
     """Write <name>.md and <name>.jpg for each dataset into `folder`, which is made.
 
     Returns:
-        The facts of each dataset, by its `whole` path.
+        The facts of each dataset, by its sha256.
 
     Raises:
-        FileNotFoundError, ValueError: as `check_dataset`.
+        ValueError: a dataset is another robot's, or a picture is damaged.
     """
     folder.mkdir()
     found = {}
-    for path in catalogue.datasets:
-        facts = found[whole(path)] = read_facts(path, tau)
-        picture = f"{path.name}.jpg"
-        images = read_some_images(path, sample_rows(facts.total.frames))
+    for dataset in catalogue.datasets:
+        lineage = dataset.lineage
+        facts = found[lineage.sha256] = read_facts(dataset)
+        picture = f"{dataset.path.name}.jpg" if len(dataset) else None
         text = render_dataset_card(
             facts,
-            place=place(path),
+            place=place(dataset.path),
             picture=picture,
-            tau=tau,
-            origin=catalogue.origin(path),
-            parents=[catalogue.link(parent, path) for parent in catalogue.parents(path)],
+            made=lineage.own,
+            parents=[catalogue.link(parent, lineage) for parent in lineage.parents],
         )
-        (folder / picture).write_bytes(strip(images))
-        (folder / f"{path.name}.md").write_text(text, encoding="utf-8")
+        if picture:
+            images = read_some_images(dataset, CAMERA, sample_rows(len(dataset)))
+            (folder / picture).write_bytes(strip(images))
+        (folder / f"{dataset.path.name}.md").write_text(text, encoding="utf-8")
     return found
 
 
 def write_model_cards(
     folder: Path,
     catalogue: Catalogue,
-    datasets: Mapping[Path, Facts],
+    datasets: Mapping[str, Facts],
     *,
     metrics: Path,
     record_every: int,
@@ -55,7 +57,7 @@ def write_model_cards(
     Args:
         folder: where.
         catalogue: the policies.
-        datasets: the facts of the datasets, by `whole` path.
+        datasets: the facts of the datasets, by sha256.
         metrics: the folder of what was measured.
         record_every: control steps for which an action is held.
 
@@ -69,14 +71,13 @@ def write_model_cards(
     if not metrics.is_dir():
         raise FileNotFoundError(f"{metrics}: there is no such folder")
     folder.mkdir()
-    for path in catalogue.models:
+    for path, lineage in catalogue.models.items():
         policy = read_policy(path)
         primary = _primary(policy, path, catalogue)
         text = render_model_card(
             policy,
             read_measured(metrics, policy.step, safety=policy.is_safety),
-            training=_training(path, catalogue, datasets),
-            evaluation=catalogue.origin(driving_file(metrics, policy.step)),
+            training=_training(lineage, catalogue, datasets),
             primary=place(primary) if primary else None,
             safety=place(path) if policy.is_safety else None,
             record_every=record_every,
@@ -86,29 +87,24 @@ def write_model_cards(
 
 
 def _primary(policy: PolicyFacts, path: Path, catalogue: Catalogue) -> Path | None:
-    """The policy itself, or the one it watches: as its stage says, else the one of its step."""
+    """The policy itself, or the one it watches, if that is here."""
     if not policy.is_safety:
         return path
-    named = path.with_name(f"primary_{policy.step}")
-    read = set(catalogue.parents(path)) or {whole(named)}
-    return next((model for model in catalogue.models if whole(model) in read), None)
+    return catalogue.model(policy.config["primary_sha256"])
 
 
-def _training(path: Path, catalogue: Catalogue, datasets: Mapping[Path, Facts]) -> Training | None:
-    origin = catalogue.origin(path)
-    if origin is None:
+def _training(
+    lineage: Lineage, catalogue: Catalogue, datasets: Mapping[str, Facts]
+) -> Training | None:
+    if lineage.own.purpose == "foreign":
         return None
-    policies = [
-        parent
-        for parent in origin.parents
-        if parent.parent == whole(path).parent and parent not in datasets
-    ]
+    policies = [parent for parent in lineage.parents if parent.own.purpose in ("primary", "safety")]
     return Training(
-        origin,
+        lineage.own,
         [
-            (catalogue.link(parent, path), datasets.get(parent))
-            for parent in origin.parents
+            (catalogue.link(parent, lineage), datasets.get(parent.sha256))
+            for parent in lineage.parents
             if parent not in policies
         ],
-        [catalogue.link(parent, path) for parent in policies],
+        [catalogue.link(parent, lineage) for parent in policies],
     )

@@ -1,21 +1,19 @@
 """Whether a dataset has what a policy is to imitate."""
 
-from pathlib import Path
-
-from pipeline.data.reading import read_columns
+from pipeline.data.dataset import Dataset
 
 
-def check_labels(path: Path) -> None:
-    """Check that every row of the dataset `path` has the reference's action.
+def check_labels(dataset: Dataset) -> None:
+    """Check that every row has the reference's action.
 
     Raises:
-        ValueError: some rows have the primary's own, as most of a raw rollout; or as
-            `check_dataset`.
-        FileNotFoundError: as `check_dataset`.
+        ValueError: some rows have the primary's own, as most of a raw rollout; or there are none.
     """
-    unlabelled = int((~read_columns(path, ["queried"])["queried"]).sum())
+    if len(dataset) == 0:
+        raise ValueError(f"{dataset.path}: no frames, expected some to learn from")
+    unlabelled = int((~dataset.column("queried")).sum())
     if unlabelled:
         raise ValueError(
-            f"{path}: {unlabelled} frames have no label of the reference, expected none: "
+            f"{dataset.path}: {unlabelled} frames have no label of the reference, expected none: "
             "`safedagger select` keeps of a rollout those that have one"
         )

@@ -6,10 +6,9 @@ action is held for the control steps that the row stands for.
 
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass
-from pathlib import Path
 
+from pipeline.data.dataset import Dataset
 from pipeline.data.identity import identities
-from pipeline.data.reading import read_columns
 
 
 @dataclass(frozen=True)
@@ -32,7 +31,7 @@ class Ledger:
         return asdict(self)
 
 
-def count(raw: Path, aggregate: Path) -> Ledger:
+def count(raw: Dataset, aggregate: Dataset) -> Ledger:
     """Count one iteration.
 
     Args:
@@ -40,11 +39,8 @@ def count(raw: Path, aggregate: Path) -> Ledger:
             aggregate itself: the reference's own driving. The paper leaves that out of the loop's
             queries, so keep it out of `cumulative`, and report it apart.
         aggregate: D_i, what the iteration trains on.
-
-    Raises:
-        FileNotFoundError, ValueError: as `check_dataset`.
     """
-    driven = read_columns(raw, ["intervention", "queried"])
+    driven = raw.columns(["intervention", "queried"])
     trained = identities(aggregate)
     kept = set(trained)
     return Ledger(
@@ -52,7 +48,7 @@ def count(raw: Path, aggregate: Path) -> Ledger:
         queries=int(driven["queried"].sum()),
         frames_selected=sum(frame in kept for frame in identities(raw)),
         frames_trained=len(trained),
-        takeover=float(driven["intervention"].mean()),
+        takeover=float(driven["intervention"].mean()) if len(raw) else 0.0,
     )
 
 
@@ -74,7 +70,7 @@ def cumulative(iterations: Sequence[Ledger]) -> list[Ledger]:
                 queries=before.queries + now.queries,
                 frames_selected=before.frames_selected + now.frames_selected,
                 frames_trained=now.frames_trained,
-                takeover=driven_by_reference / frames_driven,
+                takeover=driven_by_reference / frames_driven if frames_driven else 0.0,
             )
         )
     return totals

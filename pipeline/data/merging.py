@@ -1,70 +1,68 @@
-"""Algorithm 1, line 8: aggregate datasets into one, with LeRobot."""
+"""Algorithm 1, line 8: aggregate datasets into one."""
 
-import contextlib
-import io
-import logging
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Sequence
 from itertools import combinations
 from pathlib import Path
 
-from pipeline.data.canonical import canonicalise
+from pipeline.data.assembling import assemble
+from pipeline.data.dataset import Dataset
 from pipeline.data.identity import refuse_shared
-from pipeline.data.reading import check_dataset
-from pipeline.data.schema import CONTROL_HZ
-from pipeline.data.writing import Summary, new_dataset, summarise
-from pipeline.output import refuse_existing
+from pipeline.data.lineage import Recipe
+from pipeline.data.pieces import whole
+from pipeline.data.schema import Feature, check_features, may_be_missing
+from pipeline.data.writing import Summary
+from pipeline.output import new_directory
 
 
-def merge(paths: Sequence[Path], output: Path) -> Summary:
-    """Write the episodes of the datasets `paths`, in that order, as the dataset `output`.
+def merge(datasets: Sequence[Dataset], output: Path) -> Summary:
+    """Write the episodes of `datasets`, in that order, as the dataset `output`.
 
     Args:
-        paths: at least one, all of the same frame rate, and no frame in two of them.
+        datasets: two or more of the same robot and frame rate, no frame in two of them. Core
+            columns and signals that one lacks are filled, see `filled`; all others must be the same.
         output: must not exist.
 
     Raises:
         FileExistsError: `output` exists.
-        FileNotFoundError: one of `paths` does not exist.
-        ValueError: one is no complete dataset of our schema, they differ in frame rate or share a
-            frame, or there are none.
+        ValueError: they are fewer, do not fit, or share a frame.
     """
-    refuse_existing(output)
-    if not paths:
-        raise ValueError("there are no datasets to merge, expected at least one path")
-    fps = [CONTROL_HZ // check_dataset(path) for path in paths]
-    for path, found in zip(paths, fps, strict=True):
-        if found != fps[0]:
-            raise ValueError(f"{path}: fps is {found}, expected {fps[0]} as in {paths[0]}")
-    for first, second in combinations(paths, 2):
-        refuse_shared(first, second)
-    with new_dataset(output) as root:
-        _merge_with_lerobot(paths, root)
-        canonicalise(root)
-    return summarise(output)
+    if len(datasets) < 2:
+        raise ValueError(f"there are {len(datasets)} datasets to merge, expected at least two")
+    first = datasets[0]
+    for other in datasets[1:]:
+        for what in ("fps", "robot_type"):
+            if other.info[what] != first.info[what]:
+                raise ValueError(
+                    f"{other.path}: {what} is {other.info[what]}, "
+                    f"expected {first.info[what]} as in {first.path}"
+                )
+    features = _union(datasets)
+    for one, another in combinations(datasets, 2):
+        refuse_shared(one, another)
+    pieces = [piece for dataset in datasets for piece in whole(dataset)]
+    recipe = Recipe("merge", {}, [dataset.lineage for dataset in datasets])
+    with new_directory(output) as root:
+        assemble(root, pieces, recipe, like=first, features=features)
+    return Summary.of(Dataset.open(output))
 
 
-def _merge_with_lerobot(paths: Sequence[Path], root: Path) -> None:
-    from lerobot.datasets import LeRobotDataset, merge_datasets
-
-    with _silence():
-        merge_datasets(
-            [LeRobotDataset("local/part", root=path, video_backend="pyav") for path in paths],
-            "local/merged",
-            output_dir=root,
-            # One file for each input file: quicker, and the files of D_{i-1} stay byte for byte
-            # what they were, so that DVC stores them once.
-            concatenate_data=False,
-        )
+def filled(datasets: Iterable[Dataset]) -> dict[Path, list[str]]:
+    """By the path of a dataset: the columns that it lacks and that others, or the core, have."""
+    several = list(datasets)
+    features = _union(several)
+    lacking = {d.path: [name for name in features if name not in d.features] for d in several}
+    return {path: names for path, names in lacking.items() if names}
 
 
-@contextlib.contextmanager
-def _silence() -> Iterator[None]:
-    """Hide LeRobot's progress bars, and the traceback that it logs where there is no ffmpeg."""
-    logger = logging.getLogger("lerobot")
-    level = logger.level
-    logger.setLevel(logging.ERROR)
-    try:
-        with contextlib.redirect_stderr(io.StringIO()):
-            yield
-    finally:
-        logger.setLevel(level)
+def _union(datasets: Sequence[Dataset]) -> dict[str, Feature]:
+    """All columns of the datasets; those that must not be missing are the same in all of them."""
+    union: dict[str, Feature] = {}
+    for dataset in datasets:
+        union |= {name: of for name, of in dataset.with_core.items() if name not in union}
+    for dataset in datasets:
+        there = {n: f for n, f in union.items() if n in dataset.features or not may_be_missing(n)}
+        try:
+            check_features(dataset.features, there)
+        except ValueError as error:
+            raise ValueError(f"{dataset.path}: {error}, as in the others") from None
+    return union

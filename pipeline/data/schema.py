@@ -1,99 +1,128 @@
-"""The one schema that every dataset has, and an episode in memory.
+"""The schema of a dataset: core columns, whatever the task, and those that a task and its policies
+add; and an episode in memory.
 
 In the shapes, T is the number of rows (recorded frames) of an episode.
 """
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
+from enum import IntEnum
 from typing import Any
 
 import numpy as np
 
-CONTROL_HZ = 30
-"""Control frames per second of the world. A dataset records every k-th one: its fps is 30 / k."""
+Feature = Mapping[str, Any]
+"""A column as LeRobot describes it: "dtype", "shape" and "names"."""
 
-ROBOT_TYPE = "safedagger_car"
-CAMERA = "observation.images.front"
-IMAGE_SHAPE = (72, 160, 3)
-ACTIONS = ("steering", "brake")
-AFFORDANCES = (
-    "lane_left",
-    "lane_right",
-    "car_left",
-    "car_ahead",
-    "car_right",
-    "distance_left",
-    "distance_ahead",
-    "distance_right",
-    "lane_position",
-    "lane_angle",
-)
-"""The ten hidden variables of the paper's Appendix A, in its order."""
-VEHICLE_STATE = ("x", "y", "heading", "speed")
-"""Where our car is in the world [m, m, rad] and how fast [m/s]: to look at, no policy sees it."""
+PICTURES = ("image", "video")
+"""The dtypes of what a camera saw: [T, height, width, channels]."""
 
-_FLAG = {"dtype": "bool", "shape": (1,), "names": None}
-_NUMBER = {"dtype": "float32", "shape": (1,), "names": None}
-_INDEX = {"dtype": "int64", "shape": (1,), "names": None}
-_ACTION = {"dtype": "float32", "shape": (len(ACTIONS),), "names": list(ACTIONS)}
+SIGNAL = "signal."
+"""What the name of a policy's signal beyond the core columns begins with."""
 
-FEATURES: dict[str, dict[str, Any]] = {
-    CAMERA: {"dtype": "image", "shape": IMAGE_SHAPE, "names": ["height", "width", "channel"]},
-    # steering [-1, 1], brake {0, 1}: the reference's where it was queried, else the primary's
-    "action": _ACTION,
-    # what the primary proposed; NaN where it was not asked
-    "primary_action": _ACTION,
-    "affordances": {
-        "dtype": "float32",
-        "shape": (len(AFFORDANCES),),
-        "names": list(AFFORDANCES),
+LEROBOT_COLUMNS: dict[str, Feature] = {
+    "timestamp": {"dtype": "float32", "shape": (1,), "names": None},
+    **{
+        name: {"dtype": "int64", "shape": (1,), "names": None}
+        for name in ("frame_index", "episode_index", "index", "task_index")
     },
-    "vehicle_state": {
-        "dtype": "float32",
-        "shape": (len(VEHICLE_STATE),),
-        "names": list(VEHICLE_STATE),
-    },
-    # the reference drove this row
-    "intervention": _FLAG,
-    # the reference was asked for an action that is used to drive or to train
-    "queried": _FLAG,
-    # the safety policy's probability that the primary is safe here, [0, 1]; NaN where there is none
-    "safe_probability": _NUMBER,
-    # squared difference of primary and reference steering, [0, 4]; NaN unless both are known
-    "deviation": _NUMBER,
-    # where this row was first recorded: never rewritten by selecting or merging
-    "source.iteration": _INDEX,
-    "source.episode": _INDEX,
-    "source.frame": _INDEX,
 }
-"""LeRobot features. LeRobot merges only datasets whose features are identical."""
-
-COLUMNS: tuple[str, ...] = tuple(name for name in FEATURES if name != CAMERA)
-"""The columns that are not images."""
-
-LEROBOT_COLUMNS = {
-    "timestamp": "float32",
-    "frame_index": "int64",
-    "episode_index": "int64",
-    "index": "int64",
-    "task_index": "int64",
-}
-"""The columns that LeRobot adds to every dataset, all of shape (1,), with their dtypes."""
+"""The columns that LeRobot adds to every dataset."""
 
 
-def column_dtype(name: str) -> np.dtype:
-    """The numpy dtype of column `name` in memory."""
-    return np.dtype("uint8" if name == CAMERA else FEATURES[name]["dtype"])
+class Asked(IntEnum):
+    """Why the reference was asked about a frame."""
+
+    NOT = -1
+    """it was not"""
+    DROVE = 0
+    """it drove"""
+    AUDIT = 1
+    """to learn what the safety policy misses"""
+    MIXTURE = 2
+    """DAgger asks about every frame, whoever drives"""
+    AFTERWARDS = 3
+    """when the drive was over"""
 
 
-def check_record_every(record_every: int) -> int:
-    """Return the fps of a dataset that records every `record_every`-th control frame.
+_FLAG: Feature = {"dtype": "bool", "shape": (1,), "names": None}
+_NUMBER: Feature = {"dtype": "float32", "shape": (1,), "names": None}
+_INDEX: Feature = {"dtype": "int64", "shape": (1,), "names": None}
+
+SOURCE = ("source.dataset", "source.iteration", "source.episode", "source.frame")
+"""Where a row was first recorded, which is its identity: selecting and merging never rewrite it."""
+OWN = -1
+"""In `source.dataset`: the dataset that is being written, whose id nobody can know before."""
+
+
+def core_features(action: Feature) -> dict[str, Feature]:
+    """The columns that every dataset has, where a policy's action is described by `action`."""
+    return {
+        # the reference's where it was queried, else what the primary did
+        "action": action,
+        # what the primary proposed; NaN where it was not asked
+        "primary_action": action,
+        # the reference drove this row
+        "intervention": _FLAG,
+        # the reference was asked for an action that is used to drive or to train
+        "queried": _FLAG,
+        # the safety policy's probability that the primary is safe here, [0, 1]; NaN where there is none
+        "safe_probability": _NUMBER,
+        # epsilon of Sec. 3.1, the task's measure of how far the two actions are apart; NaN unless both are known
+        "deviation": _NUMBER,
+        # one of `Asked`
+        "asked_because": _INDEX,
+        # with which probability the reference was asked here, [0, 1]; NaN where that is not known
+        "ask_probability": _NUMBER,
+        # the first 63 bits of the id of the dataset (see `lineage`)
+        **dict.fromkeys(SOURCE, _INDEX),
+    }
+
+
+CORE = tuple(core_features({}))
+"""The names of the core columns."""
+
+
+def may_be_missing(name: str) -> bool:
+    """Whether a dataset without the column `name` can be merged with one that has it."""
+    return name.startswith(SIGNAL) or (name in CORE and name != "action")
+
+
+def missing_value(feature: Feature) -> float | bool | int:
+    """What stands in a column where there is nothing to know: NaN, false or -1."""
+    kind = np.dtype(feature["dtype"]).kind
+    return {"f": np.nan, "b": False, "i": -1}[kind]
+
+
+def pictures(features: Mapping[str, Feature]) -> list[str]:
+    """The names of the cameras."""
+    return [name for name, feature in features.items() if feature["dtype"] in PICTURES]
+
+
+def column_dtype(feature: Feature) -> np.dtype:
+    """The numpy dtype of a column in memory; of text it is object."""
+    kind = feature["dtype"]
+    return np.dtype("uint8" if kind in PICTURES else "O" if kind == "string" else kind)
+
+
+def check_features(features: Mapping[str, Feature], wanted: Mapping[str, Feature]) -> None:
+    """Check that all of the columns `wanted` are among `features`, of the same dtype, shape and names.
 
     Raises:
-        ValueError: `record_every` does not divide `CONTROL_HZ`; the fps would not be whole.
+        ValueError: names the first that is not, and both sides.
     """
-    if record_every < 1 or CONTROL_HZ % record_every:
-        raise ValueError(f"record_every is {record_every}, expected a divisor of {CONTROL_HZ}")
-    return CONTROL_HZ // record_every
+    for name, feature in wanted.items():
+        if name not in features:
+            raise ValueError(f"column {name!r} is missing, expected {_describe(feature)}")
+        if _describe(features[name]) != _describe(feature):
+            raise ValueError(
+                f"column {name!r} is {_describe(features[name])}, expected {_describe(feature)}"
+            )
+
+
+def _describe(feature: Feature) -> str:
+    names = feature.get("names")
+    return f"{feature['dtype']} {list(feature['shape'])}" + (f" {names}" if names else "")
 
 
 @dataclass(frozen=True, eq=False)
@@ -105,22 +134,26 @@ class Episode:
     """
 
     task: str
-    """The scenario: track and traffic, e.g. "coast, 20 cars"."""
+    """The scenario, e.g. "drive on alder with 20 other cars"."""
     columns: dict[str, np.ndarray] = field(repr=False)
-    """Every key of `FEATURES`: [T, *shape] of its exact dtype; images uint8 [T, 72, 160, 3]."""
+    """Every key of `features`: [T, *shape] of its exact dtype; pictures are uint8."""
+    features: Mapping[str, Feature] = field(repr=False)
+    """LeRobot's description of each column."""
+    ending: Mapping[str, Any] | None = None
+    """How the drive ended, by name, if this is a whole drive that was just recorded."""
 
     def __post_init__(self) -> None:
         if not isinstance(self.task, str) or not self.task:
             raise ValueError(f"task is {self.task!r}, expected a description of the scenario")
-        for name in (*FEATURES, *self.columns):
-            if name not in self.columns or name not in FEATURES:
-                problem = "missing" if name in FEATURES else "unknown"
-                raise ValueError(f"column {name!r} of the episode is {problem}")
-        rows = len(self.columns[CAMERA])
+        for name in sorted(self.features.keys() ^ self.columns.keys()):
+            problem = "missing" if name in self.features else "unknown"
+            raise ValueError(f"column {name!r} of the episode is {problem}")
+        rows = len(self)
         if rows == 0:
             raise ValueError("the episode has no rows, expected at least one")
-        for name, feature in FEATURES.items():
-            found, dtype, shape = self.columns[name], column_dtype(name), (rows, *feature["shape"])
+        for name, feature in self.features.items():
+            found = self.columns[name]
+            dtype, shape = column_dtype(feature), (rows, *feature["shape"])
             if found.dtype != dtype or found.shape != shape:
                 raise ValueError(
                     f"column {name!r} of the episode is {found.dtype} {found.shape}, "
@@ -128,8 +161,9 @@ class Episode:
                 )
 
     def __len__(self) -> int:
-        return len(self.columns[CAMERA])
+        return len(self.columns["source.frame"])
 
     def rows(self, start: int, stop: int) -> "Episode":
         """Rows `start` (inclusive) to `stop` (exclusive) as an episode that shares the memory."""
-        return Episode(self.task, {name: rows[start:stop] for name, rows in self.columns.items()})
+        rows = {name: values[start:stop] for name, values in self.columns.items()}
+        return Episode(self.task, rows, self.features)

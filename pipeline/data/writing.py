@@ -1,15 +1,19 @@
-"""Writing datasets with LeRobot: complete or not at all; equal episodes give equal bytes."""
+"""Recording datasets with LeRobot: complete or not at all; equal episodes give equal bytes."""
 
 import contextlib
+import csv
 import sys
 import warnings
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
-from pipeline.data.canonical import canonicalise
-from pipeline.data.reading import read_columns
-from pipeline.data.schema import FEATURES, ROBOT_TYPE, Episode, check_record_every
+from pipeline.data.assembling import assemble
+from pipeline.data.dataset import DRIVES, Dataset
+from pipeline.data.lineage import Recipe
+from pipeline.data.pieces import whole
+from pipeline.data.schema import Episode
 from pipeline.output import new_directory
 
 
@@ -24,64 +28,85 @@ class Summary:
     queries: int
     """Frames for which the reference was asked."""
 
+    @classmethod
+    def of(cls, dataset: Dataset) -> "Summary":
+        """Count it, from its columns."""
+        queries = int(dataset.column("queried").sum())
+        return cls(dataset.path, len(dataset.lengths), len(dataset), queries)
+
     def __str__(self) -> str:
         counts = f"{self.episodes} episodes, {self.frames} frames, {self.queries} queries"
         return f"{self.path}: {counts}"
 
 
-def write_dataset(path: Path, episodes: Iterable[Episode], *, record_every: int) -> Summary:
-    """Write `episodes` as a LeRobot dataset.
+def write_dataset(
+    path: Path, episodes: Iterable[Episode], recipe: Recipe, *, fps: int, robot: str
+) -> Summary:
+    """Write `episodes` as a LeRobot dataset, and beside it how their drives ended.
 
     Args:
         path: must not exist.
-        episodes: consumed one at a time.
-        record_every: control frames that each row stands for, a divisor of 30; fps is 30 / this.
+        episodes: of the same features; consumed one at a time.
+        recipe: what the dataset is and comes from.
+        fps: frames per second.
+        robot: LeRobot's `robot_type`.
 
     Raises:
         FileExistsError: `path` exists; before the first episode is asked for.
-        ValueError: `record_every` does not divide 30, or there are no episodes.
+        ValueError: there are no episodes.
     """
-    fps = check_record_every(record_every)
-    with new_dataset(path) as root:
-        _record(root, episodes, fps)
-        canonicalise(root)
-    return summarise(path)
+    with new_directory(path) as root:
+        recorded = root.parent / "recorded"
+        with _quiet_datasets(root.parent / "cache"):
+            endings = _record(recorded, episodes, fps, robot)
+        dataset = Dataset.open(recorded)
+        assemble(root, whole(dataset), recipe, like=dataset, features=dataset.features)
+        _write_endings(root / DRIVES, endings)
+    return Summary.of(Dataset.open(path))
 
 
-@contextlib.contextmanager
-def new_dataset(path: Path) -> Iterator[Path]:
-    """A path to build a dataset at, which becomes `path` where the block ends well.
-
-    Whatever is left where it does not is removed, and so is the cache that `datasets` fills, which
-    would otherwise stay in the user's home.
-
-    Raises:
-        FileExistsError: `path` exists; before the block is entered.
-    """
-    with new_directory(path) as root, _quiet_datasets(root.parent / "cache"):
-        yield root
-
-
-def summarise(path: Path) -> Summary:
-    """Count what a dataset holds, from its columns.
-
-    Raises:
-        FileNotFoundError, ValueError: as `check_dataset`.
-    """
-    columns = read_columns(path, ["queried"])
-    index = columns["episode_index"]
-    return Summary(path, int(index[-1]) + 1, len(index), int(columns["queried"].sum()))
-
-
-def _record(root: Path, episodes: Iterable[Episode], fps: int) -> None:
+def _record(
+    root: Path, episodes: Iterable[Episode], fps: int, robot: str
+) -> list[Mapping[str, Any]]:
+    """Record with LeRobot; returns the endings of the drives."""
     from lerobot.datasets import LeRobotDataset
 
-    dataset = LeRobotDataset.create(
+    dataset: LeRobotDataset | None = None
+    endings = []
+    try:
+        for episode in episodes:
+            if dataset is None:
+                dataset = _new(root, episode, fps, robot)
+            for row in range(len(episode)):
+                frame = {name: values[row] for name, values in episode.columns.items()}
+                dataset.add_frame({**frame, "task": episode.task})
+            with warnings.catch_warnings():
+                # NaN has no minimum; `assemble` looks after the statistics
+                warnings.simplefilter("ignore", RuntimeWarning)
+                dataset.save_episode()
+            if episode.ending is not None:
+                endings.append(episode.ending)
+        if dataset is None:
+            raise ValueError("there are no episodes, expected at least one frame")
+        dataset.finalize()
+    except BaseException:
+        # else the garbage collector does it, and brings back the directory that was removed
+        if dataset is not None:
+            with contextlib.suppress(Exception):
+                dataset.finalize()
+        raise
+    return endings
+
+
+def _new(root: Path, episode: Episode, fps: int, robot: str) -> Any:
+    from lerobot.datasets import LeRobotDataset
+
+    return LeRobotDataset.create(
         "local/dataset",
         fps=fps,
-        features=FEATURES,
+        features=dict(episode.features),
         root=root,
-        robot_type=ROBOT_TYPE,
+        robot_type=robot,
         use_videos=False,
         video_backend="pyav",
         # compressing PNG is a third of the work, and happens outside the GIL
@@ -90,25 +115,14 @@ def _record(root: Path, episodes: Iterable[Episode], fps: int) -> None:
         # and those of one-row episodes are flags and whole numbers where others are not.
         metadata_buffer_size=sys.maxsize,
     )
-    recorded = 0
-    try:
-        for episode in episodes:
-            for row in range(len(episode)):
-                frame = {name: values[row] for name, values in episode.columns.items()}
-                dataset.add_frame({**frame, "task": episode.task})
-            with warnings.catch_warnings():
-                # NaN has no minimum; canonicalise() looks after the statistics
-                warnings.simplefilter("ignore", RuntimeWarning)
-                dataset.save_episode()
-            recorded += 1
-        dataset.finalize()
-    except BaseException:
-        # else the garbage collector does it, and brings back the directory that was removed
-        with contextlib.suppress(Exception):
-            dataset.finalize()
-        raise
-    if recorded == 0:
-        raise ValueError("there are no episodes, expected at least one frame")
+
+
+def _write_endings(file: Path, endings: list[Mapping[str, Any]]) -> None:
+    if endings:
+        with open(file, "w", newline="", encoding="utf-8") as csv_file:
+            table = csv.DictWriter(csv_file, list(endings[0]), lineterminator="\n")
+            table.writeheader()
+            table.writerows(endings)
 
 
 @contextlib.contextmanager

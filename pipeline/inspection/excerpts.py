@@ -2,11 +2,12 @@
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from pathlib import Path
 
-from pipeline.data.reading import check_dataset, read_columns, read_episodes
-from pipeline.data.schema import CONTROL_HZ, Episode
+from pipeline.data.dataset import Dataset
+from pipeline.data.images import read_episodes
+from pipeline.data.schema import Episode
 from pipeline.inspection.takeovers import Takeover, takeovers
+from pipeline.policies.judgement import Judgement, judgements
 
 
 @dataclass(frozen=True, eq=False)
@@ -20,26 +21,34 @@ class Excerpt:
     episode: Episode
     first_frame: int
     """`frame_index` of the first row."""
+    judgement: Judgement | None = None
+    """By what its frames were judged; None without a safety policy."""
 
     def __len__(self) -> int:
         return len(self.episode)
 
 
-def whole_episodes(path: Path, only: int | None = None) -> Iterator[Excerpt]:
+def whole_episodes(dataset: Dataset, only: int | None = None) -> Iterator[Excerpt]:
     """Every episode of a dataset, or `only` one of them; in order, and read one at a time.
 
     Raises:
-        FileNotFoundError, ValueError: as `check_dataset`, or there is no such episode; at once.
+        ValueError: there is no such episode; at once.
     """
-    _check_episode(path, only)
+    _check_episode(dataset, only)
+    name = dataset.path.name
     return (
-        Excerpt(f"episode {i:04d}: {_origin(episode)}", f"{path.name}/episode_{i:04d}", episode, 0)
-        for i, episode in enumerate(read_episodes(path))
-        if only in (None, i)
+        Excerpt(
+            f"episode {i:04d}: {_origin(episode)}",
+            f"{name}/episode_{i:04d}",
+            episode,
+            0,
+            judgement_of(dataset, episode),
+        )
+        for i, episode in read_episodes(dataset, None if only is None else [only])
     )
 
 
-def around_takeovers(path: Path, only: int | None = None) -> Iterator[Excerpt]:
+def around_takeovers(dataset: Dataset, only: int | None = None) -> Iterator[Excerpt]:
     """The window around every takeover of all episodes or of `only` one, read one at a time.
 
     Their titles rank them, the most unsafe is the first. That one comes last, where a viewer stays;
@@ -47,40 +56,46 @@ def around_takeovers(path: Path, only: int | None = None) -> Iterator[Excerpt]:
     have to be in memory.
 
     Raises:
-        FileNotFoundError, ValueError: as `whole_episodes`, or there is no takeover; at once.
+        ValueError: as `whole_episodes`, or there is no takeover; at once.
     """
-    _check_episode(path, only)
-    columns = read_columns(path, ["intervention", "safe_probability"])
+    _check_episode(dataset, only)
     chosen = [
         takeover
         for takeover in takeovers(
-            columns["intervention"][:, 0],
-            columns["safe_probability"][:, 0],
-            columns["episode_index"],
-            fps=CONTROL_HZ // check_dataset(path),
+            dataset.column("intervention"),
+            dataset.column("safe_probability"),
+            dataset.episode_index,
+            fps=dataset.fps,
         )
         if only in (None, takeover.episode)
     ]
     if not chosen:
-        where = path if only is None else f"{path}: episode {only}"
+        where = dataset.path if only is None else f"{dataset.path}: episode {only}"
         raise ValueError(f"{where} has no takeovers, expected some of a safety policy's")
-    return _windows(path, chosen)
+    return _windows(dataset, chosen)
 
 
-def _windows(path: Path, ranked: list[Takeover]) -> Iterator[Excerpt]:
+def judgement_of(dataset: Dataset, episode: Episode) -> Judgement | None:
+    """By what the frames of an episode were judged: by the rollout that they are from."""
+    source = int(episode.columns["source.dataset"][0, 0])
+    return judgements(dataset.lineage).get(source)
+
+
+def _windows(dataset: Dataset, ranked: list[Takeover]) -> Iterator[Excerpt]:
     """As `around_takeovers` has them; `ranked` is most unsafe first."""
     of_episode: dict[int, list[tuple[int, Takeover]]] = {}
     for rank, takeover in enumerate(ranked, 1):
         of_episode.setdefault(takeover.episode, []).append((rank, takeover))
     first: list[Excerpt] = []
-    for i, episode in enumerate(read_episodes(path)):
-        for rank, takeover in of_episode.get(i, []):
+    for i, episode in read_episodes(dataset, of_episode):
+        for rank, takeover in of_episode[i]:
             excerpt = Excerpt(
                 f"takeover {rank:04d}: safe probability {takeover.safe_probability:.3f}, episode "
                 f"{i}, frame {takeover.start}, {_origin(episode)}",
-                f"{path.name}/takeover_{rank:04d}",
+                f"{dataset.path.name}/takeover_{rank:04d}",
                 episode.rows(takeover.first, takeover.end),
                 takeover.first,
+                judgement_of(dataset, episode),
             )
             if rank == 1:
                 first.append(excerpt)
@@ -89,10 +104,12 @@ def _windows(path: Path, ranked: list[Takeover]) -> Iterator[Excerpt]:
     yield from first
 
 
-def _check_episode(path: Path, only: int | None) -> None:
-    last = int(read_columns(path, ["queried"])["episode_index"][-1])
+def _check_episode(dataset: Dataset, only: int | None) -> None:
+    last = len(dataset.lengths) - 1
+    if last < 0:
+        raise ValueError(f"{dataset.path}: has no frames, expected some to look at")
     if only is not None and not 0 <= only <= last:
-        raise ValueError(f"{path}: there is no episode {only}, expected 0 to {last}")
+        raise ValueError(f"{dataset.path}: there is no episode {only}, expected 0 to {last}")
 
 
 def _origin(episode: Episode) -> str:

@@ -9,9 +9,12 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import KDTree
 
-from pipeline.data.schema import CAMERA, Episode
+from pipeline.data.schema import Episode
+from pipeline.policies.deviation import deviation
 from pipeline.policies.driving import Frame
+from pipeline.policies.judgement import Judgement
 from pipeline.world.cars import LENGTH
+from pipeline.world.features import CAMERA
 from pipeline.world.tracks import LANE_WIDTH, Track, make_track
 
 TASK = re.compile(r"drive on (\S+) with \d+ other cars")  # as `recording.Drive.task` says it
@@ -37,7 +40,7 @@ class Footage:
     safe_probability: NDArray[np.float32]
     """[T] NaN where there is none"""
     deviation: NDArray[np.float32]
-    """[T] NaN where it is not known"""
+    """[T] NaN where it is not known; of the brake too where the labels of the safety policy are"""
     affordances: NDArray[np.float32]
     """[T, 10]"""
     vehicle_state: NDArray[np.float32]
@@ -65,27 +68,34 @@ class Footage:
         return cls(**arrays, others=[cars for part in parts for cars in part.others])
 
     @classmethod
-    def of_episode(cls, episode: Episode, first_frame: int = 0) -> Self:
+    def of_episode(
+        cls, episode: Episode, first_frame: int = 0, judgement: Judgement | None = None
+    ) -> Self:
         """What a dataset tells: other cars only where one of the affordances is about them.
 
         Args:
             episode: a dataset's, or a part of one.
             first_frame: the number of its first row.
+            judgement: by which its deviations are looked at; those of the steering without one.
 
         Raises:
             ValueError: as `track_of`.
         """
         rows = episode.columns
         state = rows["vehicle_state"]
+        reference = np.where(rows["queried"], rows["action"], np.float32(np.nan))
+        epsilon = rows["deviation"][:, 0]
+        if judgement is not None:
+            epsilon = judgement.deviation(rows["primary_action"], reference)
         return cls(
             frame=first_frame + np.arange(len(episode)),
             image=rows[CAMERA],
             primary_action=rows["primary_action"],
-            reference_action=np.where(rows["queried"], rows["action"], np.float32(np.nan)),
+            reference_action=reference,
             intervention=rows["intervention"][:, 0],
             queried=rows["queried"][:, 0],
             safe_probability=rows["safe_probability"][:, 0],
-            deviation=rows["deviation"][:, 0],
+            deviation=epsilon,
             affordances=rows["affordances"],
             vehicle_state=state,
             end=np.concatenate([state[1:, :2], state[-1:, :2]]),
@@ -99,6 +109,8 @@ class Footage:
         frame: Frame,
         end: NDArray[np.float32],
         others: NDArray[np.float64],
+        *,
+        include_brake: bool,
     ) -> Self:
         """One frame just driven, with all that the simulator knows.
 
@@ -107,6 +119,7 @@ class Footage:
             frame: what was seen, proposed and decided.
             end: [2] (m) where our car is now.
             others: [M, 3] x, y [m] and heading [rad] of the other cars when the frame began.
+            include_brake: whether a wrong brake is a deviation, too.
         """
         driven = np.array([frame.intervention])
         return cls(
@@ -117,7 +130,11 @@ class Footage:
             intervention=driven,
             queried=driven,
             safe_probability=np.array([frame.safe_probability], np.float32),
-            deviation=np.array([frame.squared_error], np.float32),
+            deviation=deviation(
+                frame.primary_action[None],
+                frame.reference_action[None],
+                include_brake=include_brake,
+            ),
             affordances=frame.affordances[None],
             vehicle_state=frame.vehicle_state[None],
             end=end[None],

@@ -20,7 +20,16 @@ def watched(plan: Drive, driver: Driver | None) -> Iterator[tuple[World, Footage
     """
     others: NDArray[np.float64] = np.empty((0, 3))
     for number, (world, frame) in enumerate(driven(plan, driver)):
-        yield world, Footage.of_frame(number, frame, world.vehicle_state()[:2], others)
+        yield (
+            world,
+            Footage.of_frame(
+                number,
+                frame,
+                world.vehicle_state()[:2],
+                others,
+                include_brake=plan.rule.include_brake,
+            ),
+        )
         cars = world.cars
         others = np.stack([cars.x, cars.y, cars.heading], axis=1)[1:]
 

@@ -2,11 +2,14 @@
 
 from collections import Counter
 from dataclasses import dataclass
-from pathlib import Path
 
-from pipeline.data.reading import check_dataset, read_episodes
-from pipeline.data.schema import CONTROL_HZ, Episode
+from pipeline.data.dataset import Dataset
+from pipeline.data.images import read_episodes
+from pipeline.data.schema import Episode
+from pipeline.inspection.excerpts import judgement_of
 from pipeline.inspection.footage import Footage, track_of
+from pipeline.policies.judgement import Judgement
+from pipeline.world.features import FEATURES
 from pipeline.world.tracks import Track
 
 
@@ -20,50 +23,59 @@ class Pair:
     track: Track
     a: Footage
     b: Footage
+    judgements: tuple[Judgement | None, Judgement | None]
+    """By what the frames of each are judged."""
 
 
-def pairs(a: Path, b: Path, number: int = 0) -> list[Pair]:
+def pairs(a: Dataset, b: Dataset, number: int = 0) -> list[Pair]:
     """Of two datasets: a pair for every track that both have, in the order of `a`.
 
     Where the two began on the track is up to them. In memory are the images of one drive on each
     track of either dataset, 35 kB each.
 
     Args:
-        a: a dataset.
+        a: a dataset of the car's.
         b: another one.
         number: which of the drives on a track; 0 is the first.
 
     Raises:
-        FileNotFoundError, ValueError: as `check_dataset`; other frame rates; no such drives on any
-            track.
+        ValueError: other frame rates or another robot's; no such drives on any track.
     """
-    rates = [CONTROL_HZ // check_dataset(path) for path in (a, b)]
-    if rates[0] != rates[1]:
-        raise ValueError(f"{b} has {rates[1]} frames per second, expected the {rates[0]} of {a}")
-    of_a, of_b = _on_each_track(a, number), _on_each_track(b, number)
-    found = [
-        Pair(
-            f"{track}: a is {a.name}, episode {i}; b is {b.name}, episode {of_b[track][0]}",
-            f"{track}/{a.name}_{i}/{b.name}_{of_b[track][0]}",
-            track_of(episode.task),
-            Footage.of_episode(episode),
-            Footage.of_episode(of_b[track][1]),
+    for dataset in (a, b):
+        dataset.require(FEATURES)
+    if a.fps != b.fps:
+        raise ValueError(
+            f"{b.path} has {b.fps} frames per second, expected the {a.fps} of {a.path}"
         )
-        for track, (i, episode) in of_a.items()
-        if track in of_b
-    ]
+    of_a, of_b = _on_each_track(a, number), _on_each_track(b, number)
+    found = [_pair(track, (a, *of_a[track]), (b, *of_b[track])) for track in of_a if track in of_b]
     if not found:
-        raise ValueError(f"{a} and {b} have no drive {number} on a track that is in both")
+        raise ValueError(f"{a.path} and {b.path} have no drive {number} on a track that is in both")
     return found
 
 
-def _on_each_track(path: Path, number: int) -> dict[str, tuple[int, Episode]]:
+def _pair(
+    track: str, of_a: tuple[Dataset, int, Episode], of_b: tuple[Dataset, int, Episode]
+) -> Pair:
+    (a, i, drive_a), (b, j, drive_b) = of_a, of_b
+    judged = judgement_of(a, drive_a), judgement_of(b, drive_b)
+    return Pair(
+        f"{track}: a is {a.path.name}, episode {i}; b is {b.path.name}, episode {j}",
+        f"{track}/{a.path.name}_{i}/{b.path.name}_{j}",
+        track_of(drive_a.task),
+        Footage.of_episode(drive_a, judgement=judged[0]),
+        Footage.of_episode(drive_b, judgement=judged[1]),
+        judged,
+    )
+
+
+def _on_each_track(dataset: Dataset, number: int) -> dict[str, tuple[int, Episode]]:
     """By the name of the track: the drive on it, and its number in the dataset."""
-    found: dict[str, tuple[int, Episode]] = {}
+    chosen: dict[int, str] = {}
     before: Counter[str] = Counter()
-    for i, episode in enumerate(read_episodes(path)):
-        track = track_of(episode.task).name
+    for i, task in enumerate(dataset.tasks):
+        track = track_of(task).name
         if before[track] == number:
-            found[track] = i, episode
+            chosen[i] = track
         before[track] += 1
-    return found
+    return {chosen[i]: (i, episode) for i, episode in read_episodes(dataset, chosen)}

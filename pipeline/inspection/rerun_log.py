@@ -7,13 +7,14 @@ import numpy as np
 import rerun as rr
 from numpy.typing import NDArray
 
-from pipeline.data.schema import AFFORDANCES
 from pipeline.inspection.excerpts import Excerpt
 from pipeline.inspection.footage import Footage, track_of
 from pipeline.inspection.pairs import Pair
 from pipeline.inspection.rerun_camera import COMPRESSED
 from pipeline.inspection.rerun_top_view import log_track, top_view
 from pipeline.inspection.rerun_traces import Trace, Tracer, dots, lane, level, line
+from pipeline.policies.judgement import Judgement
+from pipeline.world.features import AFFORDANCES
 from pipeline.world.tracks import Track
 
 APPLICATION = "safedagger"
@@ -24,51 +25,51 @@ Connect = Callable[[rr.RecordingStream], None]
 """Connects a new stream to the place where its recording shall go."""
 
 
-def log_excerpt(excerpt: Excerpt, connect: Connect, *, fps: int, cut: float, tau: float) -> None:
+def log_excerpt(excerpt: Excerpt, connect: Connect, *, fps: int) -> None:
     """Send an excerpt as one recording.
 
     Args:
         excerpt: what to send.
         connect: is called once, before anything is sent.
-        fps, cut, tau: as for `drive_tracer`.
+        fps: frames per second.
 
     Raises:
         ValueError: the episode's task names no track.
     """
-    footage = Footage.of_episode(excerpt.episode, excerpt.first_frame)
+    footage = Footage.of_episode(excerpt.episode, excerpt.first_frame, excerpt.judgement)
     track = track_of(excerpt.episode.task)
     with new_recording(excerpt.name, excerpt.title, track, connect) as recording:
-        drive_tracer(recording, fps=fps, cut=cut, tau=tau).send(footage)
+        drive_tracer(recording, fps=fps, judgement=excerpt.judgement).send(footage)
 
 
-def log_pair(
-    pair: Pair, connect: Connect, *, fps: int, cut: float, taus: tuple[float, float]
-) -> None:
-    """Send two drives on one track as one recording, under a/ and b/; `taus` are theirs, else as
-    `log_excerpt`."""
+def log_pair(pair: Pair, connect: Connect, *, fps: int) -> None:
+    """Send two drives on one track as one recording, under a/ and b/; else as `log_excerpt`."""
     drives = {"a/": (pair.a, (BLUE, RED)), "b/": (pair.b, (LIGHT_BLUE, ORANGE))}
     with new_recording(pair.name, pair.title, pair.track, connect) as recording:
-        for (root, (footage, colors)), tau in zip(drives.items(), taus, strict=True):
-            tracer = drive_tracer(recording, fps=fps, cut=cut, tau=tau, root=root, colors=colors)
+        for (root, (footage, colors)), judgement in zip(
+            drives.items(), pair.judgements, strict=True
+        ):
+            tracer = drive_tracer(recording, fps=fps, judgement=judgement, root=root, colors=colors)
             tracer.send(footage)
 
 
 @contextmanager
 def new_recording(
-    name: str, title: str, track: Track, connect: Connect
+    name: str, title: str, track: Track | None, connect: Connect
 ) -> Iterator[rr.RecordingStream]:
     """A recording that already shows its track, complete when the block ends.
 
     Args:
         name: its id.
         title: what the viewer calls it.
-        track: where it was recorded.
+        track: where it was recorded, if that was on one.
         connect: is called once, before anything is sent.
     """
     with rr.RecordingStream(APPLICATION, recording_id=name) as recording:
         connect(recording)
         recording.send_recording_name(title)
-        log_track(recording, track)
+        if track is not None:
+            log_track(recording, track)
         yield recording
     recording.disconnect()
 
@@ -77,8 +78,7 @@ def drive_tracer(
     recording: rr.RecordingStream,
     *,
     fps: int,
-    cut: float,
-    tau: float,
+    judgement: Judgement | None,
     root: str = "",
     colors: tuple[int, int] = (BLUE, RED),
     camera: Trace = COMPRESSED,
@@ -88,8 +88,8 @@ def drive_tracer(
     Args:
         recording: is connected already.
         fps: frames per second.
-        cut: drawn with the safe probability: a frame below it is unsafe.
-        tau: drawn with the deviation: a frame above it is unsafe.
+        judgement: its cut is drawn with the safe probability, its tau with the deviation; None
+            where there is no safety policy.
         root: in front of all entities where a recording has several drives: "a/", say.
         colors: of the primary's and of the reference's driving in the top view.
         camera: one of COMPRESSED and RAW.
@@ -97,17 +97,15 @@ def drive_tracer(
     traces = [
         camera,
         *top_view(primary=colors[0], reference=colors[1], label=root.rstrip("/") or None),
-        *_lanes(tau),
+        *_lanes(),
+        *_judged(judgement),
         # the primary's wish where it had one, and the reference's where it is known
         line("action/primary_steering", BLUE, lambda frames: frames.primary_action[:, 0]),
         dots("action/reference_steering", RED, lambda frames: frames.reference_action[:, 0]),
         line("action/primary_brake", LIGHT_BLUE, lambda frames: frames.primary_action[:, 1]),
         dots("action/reference_brake", ORANGE, lambda frames: frames.reference_action[:, 1]),
         line("safe_probability/safe_probability", GREEN, lambda frames: frames.safe_probability),
-        level("safe_probability/cut", GREY, cut),
         dots("safe_probability/reference_drives", RED, _drives),
-        dots("deviation/deviation", PINK, lambda frames: frames.deviation),
-        level("deviation/tau", GREY, tau),
         line("speed/speed", GREEN, lambda frames: frames.vehicle_state[:, 3]),
         line("in_lane/lane_position", BLUE, _affordance("lane_position")),
         line("in_lane/lane_angle", RED, _affordance("lane_angle")),
@@ -118,12 +116,33 @@ def drive_tracer(
     return Tracer(recording, traces, fps=fps, root=root)
 
 
-def _lanes(tau: float) -> list[Trace]:
-    """Who drove, who was asked, where it is known whether there was reason to; and what is there."""
+def _judged(judgement: Judgement | None) -> list[Trace]:
+    """The deviation; and where a safety policy drove, what it calls unsafe."""
+    measure = judgement.measure if judgement else "steering"
+    plotted = dots(
+        "deviation/deviation",
+        PINK,
+        lambda frames: frames.deviation,
+        label=f"deviation of {measure}",
+    )
+    if judgement is None:
+        return [plotted]
+    tau = judgement.tau
 
     def deviates(frames: Footage) -> NDArray[np.str_]:
         known = np.where(frames.deviation > tau, "above tau", "up to tau")
         return np.where(np.isnan(frames.deviation), "", known)
+
+    return [
+        plotted,
+        level("deviation/tau", GREY, tau),
+        level("safe_probability/cut", GREY, judgement.cut),
+        lane("who/deviation", {"up to tau": GREEN, "above tau": PINK}, deviates),
+    ]
+
+
+def _lanes() -> list[Trace]:
+    """Who drove, who was asked, and what is there."""
 
     def flag(name: str) -> Trace:
         value = _affordance(name)
@@ -144,7 +163,6 @@ def _lanes(tau: float) -> list[Trace]:
             {"reference": ORANGE},
             lambda frames: np.where(frames.queried, "reference", ""),
         ),
-        lane("who/deviation", {"up to tau": GREEN, "above tau": PINK}, deviates),
         *map(flag, AFFORDANCES[:5]),
     ]
 

@@ -68,9 +68,11 @@ def line(
     return _plot(entity, rr.SeriesLines(names=_label(entity), colors=color, widths=width), values)
 
 
-def dots(entity: str, color: int, values: Callable[[Footage], NDArray]) -> Trace:
+def dots(
+    entity: str, color: int, values: Callable[[Footage], NDArray], *, label: str | None = None
+) -> Trace:
     """A plot of `values`, [T], known in some frames, else NaN: a line would not show a single one."""
-    look = rr.SeriesPoints(names=_label(entity), colors=color, marker_sizes=2.0)
+    look = rr.SeriesPoints(names=label or _label(entity), colors=color, marker_sizes=2.0)
     return _plot(entity, look, values)
 
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from pipeline.data.selecting import runs
+from pipeline.data.pieces import runs
 
 BEFORE, AFTER = 2.0, 1.0  # [s] of a window around its takeover
 

@@ -9,10 +9,10 @@ def detection_quality(
 ) -> dict[str, float | None]:
     """Measures of `safe_probability` [N] against `deviation` [N]; unsafe is what is to be found.
 
-    Frames in which either is NaN are left out. A measure that is not defined is None.
+    Frames whose deviation is not known are left out. A measure that is not defined is None.
 
     Args:
-        safe_probability: [N] in [0, 1], the probability of being safe (Eq. 2).
+        safe_probability: [N] in [0, 1], the probability of being safe (Eq. 2); NaN is unsafe.
         deviation: [N], a frame is unsafe where it is above `tau`.
         tau: the threshold.
         cut: a frame is called unsafe where its probability is below this.
@@ -32,8 +32,8 @@ def detection_quality(
         raise ValueError(
             f"safe_probability is {safe_probability.shape}, expected {deviation.shape} as deviation"
         )
-    known = ~(np.isnan(safe_probability) | np.isnan(deviation))
-    probability, unsafe = safe_probability[known], deviation[known] > tau
+    known = ~np.isnan(deviation)
+    probability, unsafe = np.nan_to_num(safe_probability[known], nan=-1.0), deviation[known] > tau
     predicted = probability < cut
     return {
         "frames": float(known.sum()),

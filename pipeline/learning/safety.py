@@ -5,17 +5,17 @@ deviates.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
+from pipeline.data.dataset import Dataset
+from pipeline.data.images import read_images
 from pipeline.data.labels import check_labels
-from pipeline.data.reading import check_dataset, read_columns, read_images
-from pipeline.data.schema import CONTROL_HZ
 from pipeline.learning.labels import LabelRule
 from pipeline.policies.inference import propose
 from pipeline.policies.network import PrimaryNetwork
+from pipeline.world.features import CAMERA, DRIVEN
 
 
 @dataclass(frozen=True)
@@ -43,24 +43,25 @@ class Judged:
         return Judged(self.features[rows], self.deviation[rows], self.episode_index[rows])
 
 
-def judge(primary: PrimaryNetwork, dataset: Path, *, brake_cut: float, rule: LabelRule) -> Judged:
+def judge(
+    primary: PrimaryNetwork, dataset: Dataset, *, brake_cut: float, rule: LabelRule
+) -> Judged:
     """Run a primary over a dataset whose every frame carries the reference's action.
 
     Args:
         primary: brakes where the brake's probability is above `brake_cut`, [0, 1].
-        dataset: a complete dataset.
+        dataset: of the car.
         rule: what counts as a deviation.
 
     Raises:
-        FileNotFoundError, ValueError: no such dataset, or frames in it that the reference was not
-        asked about.
+        ValueError: another robot's dataset, or frames in it that the reference was not asked about.
     """
-    fps = CONTROL_HZ / check_dataset(dataset)
+    dataset.require(DRIVEN)
     check_labels(dataset)
-    columns = read_columns(dataset, ["action"])
-    proposed, features = propose(primary, read_images(dataset), brake_cut=brake_cut)
-    epsilon = rule.deviation(proposed, columns["action"], columns["episode_index"], fps)
-    return Judged(features, epsilon, columns["episode_index"])
+    actions = dataset.columns(["action"])["action"]
+    proposed, features = propose(primary, read_images(dataset, CAMERA), brake_cut=brake_cut)
+    epsilon = rule.deviation(proposed, actions, dataset.episode_index, dataset.fps)
+    return Judged(features, epsilon, dataset.episode_index)
 
 
 def held_out_episodes(judged: Judged, share: float, rng: np.random.Generator) -> NDArray[np.bool_]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from enum import StrEnum
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,11 +13,27 @@ from pipeline.policies.deviation import deviation
 from pipeline.policies.inference import Driver
 from pipeline.policies.reference import reference_actions
 from pipeline.policies.strategies import Rule
-from pipeline.world.cars import CONTROL_HZ
+from pipeline.world.features import CONTROL_HZ
 from pipeline.world.world import World
 
 STANDSTILL = 10.0  # [s] without moving after which a drive is halted
 NO_ACTION = np.full(2, np.nan, np.float32)
+
+
+class Ended(StrEnum):
+    """Why a drive was over."""
+
+    ROAD_LEFT = "road left"
+    STOOD_STILL = "stood still"
+    LAPS_DONE = "laps done"
+    OUT_OF_TIME = "out of time"
+    BUDGET = "budget spent"
+    """there was nothing left to ask or to drive: it would have gone on"""
+
+    @property
+    def failed(self) -> bool:
+        """Whether somebody has to put the car back on its way."""
+        return self in (Ended.ROAD_LEFT, Ended.STOOD_STILL)
 
 
 @dataclass(frozen=True)
@@ -37,6 +54,12 @@ class Frame:
     """[0, 1], NaN without a safety policy"""
     intervention: bool
     """the reference drives this frame"""
+    distance: float
+    """[m] driven along the road when it was over"""
+    touches: int
+    """of other cars, until then"""
+    ended: Ended | None
+    """why the drive was over with it; None where it went on"""
 
     @property
     def squared_error(self) -> float:
@@ -62,35 +85,56 @@ def drive(
     steps of the frame. `rng` draws for a mixture, once a frame.
     """
     standing = 0.0
+    frames = int(seconds * CONTROL_HZ / record_every)
     actions = reference_actions(world.cars, world.track)
-    for _ in range(int(seconds * CONTROL_HZ / record_every)):
-        image = world.image()
+    for number in range(1, frames + 1):
+        image, hidden, state = world.image(), world.affordances(), world.vehicle_state()
         primary_action, safe_probability = _consult(driver, image)
         epsilon = deviation(primary_action[None], actions[:1], include_brake=rule.include_brake)
         intervention = rule.reference_drives(safe_probability, float(epsilon[0]), rng.random())
-        frame = Frame(
-            image,
-            world.affordances(),
-            world.vehicle_state(),
-            actions[0].copy(),
-            primary_action,
-            safe_probability,
-            intervention,
-        )
-        action = frame.reference_action if intervention else primary_action
+        reference_action = actions[0].copy()
+        action = reference_action if intervention else primary_action
         for _ in range(record_every):
             actions[0] = action
             world.step(actions)
             actions = reference_actions(world.cars, world.track)
-        yield frame
         standing = standing + record_every / CONTROL_HZ if world.cars.speed[0] < 0.5 else 0.0
-        if world.off_road or world.laps >= laps or standing >= STANDSTILL:
+        ended = _ended(world, laps, standing, number == frames)
+        yield Frame(
+            image,
+            hidden,
+            state,
+            reference_action,
+            primary_action,
+            safe_probability,
+            intervention,
+            world.distance,
+            world.touches,
+            ended,
+        )
+        if ended:
             return
 
 
+def _ended(world: World, laps: float, standing: float, last: bool) -> Ended | None:
+    if world.off_road:
+        return Ended.ROAD_LEFT
+    if world.laps >= laps:
+        return Ended.LAPS_DONE
+    if standing >= STANDSTILL:
+        return Ended.STOOD_STILL
+    return Ended.OUT_OF_TIME if last else None
+
+
 def _consult(driver: Driver | None, image: NDArray[np.uint8]) -> tuple[NDArray[np.float32], float]:
-    """The primary's action and its safe probability, NaN where there is no such policy."""
+    """The primary's action and its safe probability, NaN where there is no such policy.
+
+    Raises:
+        ValueError: the primary's action is NaN or infinite.
+    """
     if driver is None:
         return NO_ACTION, np.nan
     action, conv5 = driver.act(image)
+    if not np.isfinite(action).all():
+        raise ValueError(f"the primary's action is {action}, expected finite numbers")
     return action, driver.safe_probability(conv5) if driver.safety else np.nan

@@ -10,6 +10,7 @@ from safetensors import SafetensorError
 from safetensors.torch import load_file
 from torch import Tensor, nn
 
+from pipeline.data.lineage import Lineage
 from pipeline.policies.network import PrimaryNetwork, SafetyNetwork, feature_size
 from pipeline.policies.strategies import Rule, Strategy
 
@@ -74,16 +75,52 @@ def weights_sha256(directory: Path) -> str:
         return hashlib.file_digest(file, "sha256").hexdigest()
 
 
-def driving_rule(safety: Path, strategy: Strategy, cut: float) -> Rule:
+def policy_lineage(directory: Path) -> Lineage:
+    """What the policy in `directory` is and comes from; foreign where somebody else has trained it.
+
+    Raises:
+        ValueError: there are no weights, or what tells is not one of our files.
+    """
+    sha256 = weights_sha256(directory)
+    known = Lineage.read(Path(directory))
+    return known if known and known.sha256 == sha256 else Lineage.foreign(sha256)
+
+
+LABELS = ("tau", "include_brake", "horizon", "horizon_mode")
+"""What a safety policy's configuration says of the labels that it learned."""
+
+
+def read_labels(safety: Path) -> dict[str, Any]:
+    """By what rule the labels of the safety policy in `safety` were made; raises as `read_config`."""
+    config = read_config(safety, SAFETY_TYPE)
+    return {name: config[name] for name in LABELS}
+
+
+def read_cut(safety: Path) -> float:
+    """The safe probability below which the policy in `safety` says unsafe; raises as `read_config`."""
+    return float(_field(safety, read_config(safety, SAFETY_TYPE), "cut", int | float))
+
+
+def driving_rule(safety: Path, strategy: Strategy, cut: float | None = None) -> Rule:
     """The rule of a driving strategy for a primary that the policy in `safety` watches.
 
     What deviates, for OPTIMAL, is what the policy's labels were made by.
 
+    Args:
+        safety: its directory.
+        strategy: one that needs a primary.
+        cut: in the place of the policy's own.
+
     Raises:
         ValueError: as `read_config`; `cut` is out of its range.
     """
-    labels = read_config(safety, SAFETY_TYPE)
-    return Rule(strategy, cut=cut, tau=labels["tau"], include_brake=labels["include_brake"])
+    labels = read_labels(safety)
+    return Rule(
+        strategy,
+        cut=read_cut(safety) if cut is None else cut,
+        tau=labels["tau"],
+        include_brake=labels["include_brake"],
+    )
 
 
 def load_weights(network: nn.Module, directory: Path) -> None:

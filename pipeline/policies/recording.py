@@ -11,10 +11,11 @@ import torch
 from joblib import Parallel, delayed
 from numpy.typing import NDArray
 
-from pipeline.data.schema import CAMERA, Episode, check_record_every
-from pipeline.policies.driving import Frame, drive
+from pipeline.data.schema import OWN, Asked, Episode
+from pipeline.policies.driving import Ended, Frame, drive
 from pipeline.policies.inference import Driver
 from pipeline.policies.strategies import Rule, Strategy
+from pipeline.world.features import CAMERA, FEATURES, check_record_every
 from pipeline.world.tracks import make_track
 from pipeline.world.traffic import check_room
 from pipeline.world.world import World
@@ -84,11 +85,26 @@ class Recording:
     reference_actions: NDArray[np.float32]
     """[T, 2] what the reference would have done, also where it was not asked: to measure with,
     never to train or to select on"""
+    distance: NDArray[np.float64]
+    """[T] (m) driven along the road at the end of each frame"""
+    touches: NDArray[np.int64]
+    """[T] of other cars until then"""
 
     @property
     def queries(self) -> int:
         """How often the reference was asked."""
         return int(self.episode.columns["queried"].sum())
+
+    def until(self, stop: int) -> Recording:
+        """Its first `stop` frames, at least one: if these are not all, the budget ended it."""
+        if stop == len(self.episode):
+            return self
+        distance, touches = self.distance[:stop], self.touches[:stop]
+        part = self.episode.rows(0, stop)
+        number = int(part.columns["source.episode"][0, 0])
+        ending = _ending(number, part.task, Ended.BUDGET, distance, touches)
+        part = replace(part, ending=ending)
+        return Recording(part, self.reference_actions[:stop], distance, touches)
 
 
 def driven(plan: Drive, driver: Driver | None) -> Iterator[tuple[World, Frame]]:
@@ -115,8 +131,21 @@ def record(plan: Drive, driver: Driver | None, iteration: int, number: int) -> R
     """
     frames = [frame for _, frame in driven(plan, driver)]
     labelled = plan.rule.strategy is Strategy.MIXTURE
-    episode = _episode(plan.task, frames, iteration, number, every_frame=labelled)
-    return Recording(episode, np.stack([frame.reference_action for frame in frames]))
+    distance = np.array([frame.distance for frame in frames])
+    touches = np.array([frame.touches for frame in frames])
+    ended = frames[-1].ended
+    assert ended is not None
+    return Recording(
+        Episode(
+            plan.task,
+            _columns(frames, iteration, number, every_frame=labelled),
+            FEATURES,
+            _ending(number, plan.task, ended, distance, touches),
+        ),
+        np.stack([frame.reference_action for frame in frames]),
+        distance,
+        touches,
+    )
 
 
 def record_all(
@@ -177,37 +206,56 @@ def until_queries(
     for recording in recordings:
         paid = asked + np.cumsum(recording.episode.columns["queried"][:, 0])
         stop = min(int(np.searchsorted(paid, queries)) + 1, frames - driven, len(paid))
-        yield Recording(recording.episode.rows(0, stop), recording.reference_actions[:stop])
+        yield recording.until(stop)
         asked, driven = int(paid[stop - 1]), driven + stop
         if asked >= queries or driven >= frames:
             return
 
 
-def _episode(
-    task: str, frames: list[Frame], iteration: int, number: int, *, every_frame: bool
-) -> Episode:
+def _ending(
+    number: int,
+    task: str,
+    ended: Ended,
+    distance: NDArray[np.float64],
+    touches: NDArray[np.int64],
+) -> dict[str, str | int | float]:
+    """A row of the drives of a dataset."""
+    return {
+        "episode": number,
+        "task": task,
+        "frames": len(distance),
+        "distance_m": round(float(distance[-1]), 3),
+        "touches": int(touches[-1]),
+        "ended": str(ended),
+        "put_back": int(ended.failed),
+    }
+
+
+def _columns(
+    frames: list[Frame], iteration: int, number: int, *, every_frame: bool
+) -> dict[str, NDArray]:
+    """All of FEATURES."""
     intervention = np.array([[frame.intervention] for frame in frames])
     queried = intervention | every_frame
     reference = np.stack([frame.reference_action for frame in frames])
     primary = np.stack([frame.primary_action for frame in frames])
     errors = np.array([frame.squared_error for frame in frames])
-    count = len(frames)
-    return Episode(
-        task,
-        {
-            CAMERA: np.stack([frame.image for frame in frames]),
-            "action": np.where(queried, reference, primary),
-            "primary_action": primary,
-            "affordances": np.stack([frame.affordances for frame in frames]),
-            "vehicle_state": np.stack([frame.vehicle_state for frame in frames]),
-            "intervention": intervention,
-            "queried": queried,
-            "safe_probability": np.array(
-                [[frame.safe_probability] for frame in frames], np.float32
-            ),
-            "deviation": np.where(queried, errors[:, None], np.nan).astype(np.float32),
-            "source.iteration": np.full((count, 1), iteration, np.int64),
-            "source.episode": np.full((count, 1), number, np.int64),
-            "source.frame": np.arange(count, dtype=np.int64)[:, None],
-        },
-    )
+    asked = np.where(intervention, Asked.DROVE, Asked.MIXTURE if every_frame else Asked.NOT)
+    return {
+        CAMERA: np.stack([frame.image for frame in frames]),
+        "action": np.where(queried, reference, primary),
+        "primary_action": primary,
+        "affordances": np.stack([frame.affordances for frame in frames]),
+        "vehicle_state": np.stack([frame.vehicle_state for frame in frames]),
+        "intervention": intervention,
+        "queried": queried,
+        "safe_probability": np.array([[frame.safe_probability] for frame in frames], np.float32),
+        "deviation": np.where(queried, errors[:, None], np.nan).astype(np.float32),
+        "asked_because": asked.astype(np.int64),
+        # every strategy decides for certain: of what it asks nothing is left to chance
+        "ask_probability": queried.astype(np.float32),
+        "source.dataset": np.full((len(frames), 1), OWN, np.int64),
+        "source.iteration": np.full((len(frames), 1), iteration, np.int64),
+        "source.episode": np.full((len(frames), 1), number, np.int64),
+        "source.frame": np.arange(len(frames), dtype=np.int64)[:, None],
+    }

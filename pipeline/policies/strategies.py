@@ -31,7 +31,7 @@ class Rule:
 
     strategy: Strategy
     cut: float = 0.5
-    """for SAFE, [0, 1]: a safe probability below it is unsafe"""
+    """for SAFE, [0, 1]: a safe probability that is not at least this is unsafe"""
     tau: float = 0.0
     """for OPTIMAL, >= 0: a deviation above it is unsafe"""
     include_brake: bool = False
@@ -50,7 +50,7 @@ class Rule:
         """Whether the reference drives.
 
         Args:
-            safe_probability: [0, 1], pi_safe's; NaN where there is no safety policy.
+            safe_probability: [0, 1], pi_safe's; NaN is never safe.
             deviation: epsilon, >= 0; NaN where there is no primary.
             draw: a random number in [0, 1).
         """
@@ -60,7 +60,7 @@ class Rule:
             case Strategy.NAIVE:
                 return False
             case Strategy.SAFE:
-                return safe_probability < self.cut
+                return not safe_probability >= self.cut
             case Strategy.OPTIMAL:
                 return deviation > self.tau
             case Strategy.MIXTURE:

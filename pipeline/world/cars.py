@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from pipeline.data.schema import CONTROL_HZ
+from pipeline.world.features import CONTROL_HZ
 from pipeline.world.tracks import Track
 
 DT = 1.0 / CONTROL_HZ  # [s]

@@ -15,8 +15,8 @@ import numpy as np
 from gymnasium.envs.registration import load_env_creator
 from numpy.typing import NDArray
 
-from pipeline.data.schema import AFFORDANCES, CONTROL_HZ, IMAGE_SHAPE
 from pipeline.world.cars import Cars
+from pipeline.world.features import AFFORDANCES, CONTROL_HZ, IMAGE_SHAPE
 from pipeline.world.tracks import Track, make_track
 from pipeline.world.traffic import check_room
 from pipeline.world.world import World

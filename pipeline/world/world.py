@@ -39,9 +39,11 @@ class World:
         self.scene.place(self.cars)
         self.damage = 0.0
         """[m^2/s^2] the sum of half the squared speed of each touch of our car: energy per mass"""
+        self.touches = 0
+        """how often our car touched another"""
         self._start = float(self.cars.s[0])
         self._steps = 0
-        self._touches: dict[int, tuple[int, float]] = {}
+        self._contacts: dict[int, tuple[int, float]] = {}
         """car -> step of its last contact with ours, damage that this touch has done so far"""
 
     def __enter__(self) -> Self:
@@ -55,7 +57,12 @@ class World:
     @property
     def laps(self) -> float:
         """Laps driven by our car, fractional; negative where it drove backwards."""
-        return (float(self.cars.s[0]) - self._start) / self.track.length
+        return self.distance / self.track.length
+
+    @property
+    def distance(self) -> float:
+        """[m] driven along the road by our car; negative where it drove backwards."""
+        return float(self.cars.s[0]) - self._start
 
     @property
     def off_road(self) -> bool:
@@ -84,7 +91,13 @@ class World:
     def step(self, actions: NDArray[np.floating]) -> None:
         """Advance by one control step; `actions` is [N, 2], every car's steering in [-1, 1] and
         brake.
+
+        Raises:
+            ValueError: an action is NaN or infinite.
         """
+        if not np.isfinite(actions).all():
+            car = int(np.flatnonzero(~np.isfinite(actions).all(axis=1))[0])
+            raise ValueError(f"action of car {car} is {actions[car]}, expected finite numbers")
         move(self.cars, actions, self.track)
         self.scene.place(self.cars)
         self._steps += 1
@@ -117,8 +130,9 @@ class World:
 
     def _count_damage(self, other: int, energy: float) -> None:
         """A touch may last, or come and go, for many steps: it counts once, by its hardest moment."""
-        last, counted = self._touches.get(other, (0, 0.0))
+        last, counted = self._contacts.get(other, (-TOUCH, 0.0))
         if self._steps - last > TOUCH:
             counted = 0.0
+            self.touches += 1
         self.damage += max(energy - counted, 0.0)
-        self._touches[other] = (self._steps, max(energy, counted))
+        self._contacts[other] = (self._steps, max(energy, counted))

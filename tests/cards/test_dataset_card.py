@@ -11,9 +11,11 @@ from huggingface_hub import DatasetCard
 from lerobot.datasets.utils import create_lerobot_dataset_card
 
 from pipeline.cards.dataset_card import MEANINGS
-from pipeline.data.reading import read_columns
-from pipeline.data.schema import FEATURES
+from pipeline.data.dataset import Dataset
+from pipeline.data.selecting import select
+from pipeline.world.features import FEATURES
 from tests.cards.conftest import ALDER, BIRCH
+from tests.episodes import random_episode, write
 
 README = (Path(__file__).parents[2] / "README.md").read_text()
 NAMES = ["D_0", "D_1", "new_1", "rollout_1"]
@@ -22,6 +24,11 @@ NAMES = ["D_0", "D_1", "new_1", "rollout_1"]
 @pytest.fixture
 def cards(make_cards: Callable[..., Path]) -> Path:
     return make_cards() / "datasets"
+
+
+def read(name: str) -> tuple[Dataset, dict[str, np.ndarray]]:
+    dataset = Dataset.open(Path("datasets", name))
+    return dataset, dataset.columns(n for n in FEATURES if n not in dataset.cameras)
 
 
 def number(card: str, row: str) -> int:
@@ -50,10 +57,10 @@ def test_the_front_matter_is_what_lerobot_writes(name: str, cards: Path) -> None
 @pytest.mark.parametrize("name", NAMES)
 def test_its_numbers_are_the_datasets(name: str, cards: Path) -> None:
     card = (cards / f"{name}.md").read_text()
-    columns = read_columns(Path("datasets", name))
-    frames = len(columns["queried"])
+    dataset, columns = read(name)
+    frames = len(dataset)
     assert number(card, "frames") == frames
-    assert number(card, "episodes") == columns["episode_index"][-1] + 1
+    assert number(card, "episodes") == len(dataset.lengths)
     assert number(card, "queries") == columns["queried"].sum()
     assert number(card, "frames that the reference drove") == columns["intervention"].sum()
     assert number(card, "frames that brake") == columns["action"][:, 1].sum()
@@ -62,8 +69,11 @@ def test_its_numbers_are_the_datasets(name: str, cards: Path) -> None:
     if judged:
         unsafe = (columns["safe_probability"] < 0.5).sum()
         assert number(card, "of these, called unsafe") == unsafe
-        above = (columns["deviation"] > 0.0025).sum()
-        assert number(card, "of these, above tau = 0.0025") == above
+        # the labels of this safety policy have the brake in them, the column has not
+        squares = (columns["primary_action"] - columns["action"]) ** 2
+        above = (squares.sum(axis=1) > 0.05)[columns["queried"][:, 0]].sum()
+        row = "of these, unsafe: deviation of steering and brake above tau = 0.05"
+        assert number(card, row) == above > (columns["deviation"] > 0.05).sum()
     assert (
         f"| frames that a safety policy judged | {judged} | {100 * judged / frames:.1f} % |" in card
     )
@@ -82,14 +92,14 @@ def test_it_says_how_far_its_frames_spread(
     card = (cards / "D_0.md").read_text()
     found = re.findall(rf"^\| {re.escape(row)} \| ([\d.]+) \| (\d+) % \|$", card, re.MULTILINE)
     assert [share for _, share in found] == ["50", "95"]
-    amounts = np.abs(read_columns(Path("datasets/D_0"))["affordances"][:, affordance]) * unit
+    amounts = np.abs(read("D_0")[1]["affordances"][:, affordance]) * unit
     for value, share in found:
         assert float(value) == pytest.approx(np.percentile(amounts, int(share)), abs=0.006)
 
 
 def test_it_counts_each_scenario_and_each_iteration(cards: Path) -> None:
     card = (cards / "D_1.md").read_text()
-    columns = read_columns(Path("datasets/D_1"))
+    _, columns = read("D_1")
     later = int(columns["source.iteration"].sum())  # iterations are 0 and 1
     assert (
         f"| 0 | 2 | 7 | 7 | 7 |\n| 1 | {number(card, '1')} | {later} | {later} | {later} |" in card
@@ -101,18 +111,20 @@ def test_it_counts_each_scenario_and_each_iteration(cards: Path) -> None:
 def test_it_says_what_made_it_and_links_to_that(cards: Path) -> None:
     merged = (cards / "D_1.md").read_text()
     assert "line 8" in merged
-    assert "safedagger merge datasets/D_0 datasets/new_1 datasets/D_1\n" in merged
+    assert "safedagger merge\n" in merged
     assert "Made from [D_0](D_0.md), [new_1](new_1.md)." in merged
     driven = (cards / "rollout_1.md").read_text()
     assert "[primary_0](../models/primary_0.md), [safety_0](../models/safety_0.md)" in driven
-    assert "pipeline/world" not in driven
+    assert "--cut 0.5" in driven
+    assert "| drives: road left | 1 |" in driven and "| drives: budget | 1 |" in driven
+    assert "drives:" not in merged
     for link in re.findall(r"\]\(([^)]+)\)", merged + driven):
         assert (cards / link).is_file()
 
 
 def test_its_limits_are_those_of_its_data(cards: Path) -> None:
     limits = {name: (cards / f"{name}.md").read_text().split("## Limits")[1] for name in NAMES}
-    columns = read_columns(Path("datasets/rollout_1"))
+    _, columns = read("rollout_1")
     unasked = int((~columns["queried"]).sum())
     assert f"In {unasked} of 17 frames nobody asked the reference" in limits["rollout_1"]
     assert f"`deviation` in {unasked} frames" in limits["rollout_1"]
@@ -123,7 +135,7 @@ def test_its_limits_are_those_of_its_data(cards: Path) -> None:
 
 
 def test_the_columns_mean_what_the_readme_says(cards: Path) -> None:
-    assert list(MEANINGS) == list(FEATURES)
+    assert set(MEANINGS) == set(FEATURES)
     for name, meaning in MEANINGS.items():
         if not name.startswith("source."):
             assert f"| `{name}` | {meaning} |" in README
@@ -142,9 +154,25 @@ def test_it_is_loaded_as_the_card_says(cards: Path) -> None:
     assert len(names["dataset"]) == 7
 
 
-def test_without_a_lock_the_card_says_that_it_does_not_know(
-    make_cards: Callable[..., Path],
+def test_of_a_foreign_dataset_the_card_says_that_it_does_not_know(
+    house: Path, make_cards: Callable[..., Path]
 ) -> None:
-    card = (make_cards("other", lock=None) / "datasets" / "D_0.md").read_text()
-    assert "Not known: no `dvc.lock` says what made it." in card
+    (house / "datasets" / "D_0" / "safedagger.json").unlink()
+    card = (make_cards("other") / "datasets" / "D_0.md").read_text()
+    assert "Not known: there is no `safedagger.json` that says what made it." in card
     assert "Algorithm 1" not in card
+
+
+def test_a_dataset_without_frames_has_a_card_too(
+    house: Path, make_cards: Callable[..., Path]
+) -> None:
+    """What nobody asked: a rollout in which nothing was unsafe."""
+    safe = random_episode(np.random.default_rng(2), 3, task=ALDER)
+    for name in ("intervention", "queried"):
+        safe.columns[name][:] = False
+    select(write(house / "datasets" / "rollout_2", [safe], "rollout"), house / "datasets" / "new_2")
+    folder = make_cards("other") / "datasets"
+    card = (folder / "new_2.md").read_text()
+    assert "It has no frames: nothing was asked." in card
+    assert number(card, "frames") == 0
+    assert not (folder / "new_2.jpg").exists()

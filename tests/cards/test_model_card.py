@@ -55,8 +55,7 @@ def test_it_says_what_it_is_and_what_it_learned_from(cards: Path) -> None:
     weights = sum(p.numel() for p in load_primary(Path("models/primary_0")).parameters())
     assert f"| all |  | {weights:,} |" in card
     assert "| [D_0](../datasets/D_0.md) | 2 | 7 |" in card
-    assert "safedagger train-primary datasets/D_0 models/primary_0\n" in card
-    assert "safedagger evaluate models/primary_0 models/safety_0 --tracks yew\n" in card
+    assert "safedagger train-primary --channels 2\n" in card
     assert "in 2 scenarios" in card
     safety = (cards / "safety_0.md").read_text()
     assert "The primary that it watches: [primary_0](primary_0.md)." in safety
@@ -81,23 +80,25 @@ def test_its_five_lines_drive(
     assert drivers == {"primary"} if name == "primary_0" else drivers <= {"primary", "reference"}
 
 
-def test_without_lock_and_metrics_the_card_says_that_it_does_not_know(
+def test_without_lineage_and_metrics_the_card_says_that_it_does_not_know(
     house: Path, make_cards: Callable[..., Path]
 ) -> None:
     (house / "metrics" / "driving_0.json").unlink()
     (house / "metrics" / "safety_0.json").unlink()
-    folder = make_cards(lock=None) / "models"
+    for name in NAMES:
+        (house / "models" / name / "safedagger.json").unlink()
+    folder = make_cards() / "models"
     for name in NAMES:
         card = (folder / f"{name}.md").read_text()
-        assert "Not known: no `dvc.lock` says what made it." in card
+        assert "Not known: there is no `safedagger.json` that says what made it." in card
         assert "Nobody has evaluated it." in card
         assert ModelCard.load(folder / f"{name}.md").data.eval_results is None
-        assert 'Path("models/primary_0")' in card  # by the name of its step
+        assert 'Path("models/primary_0")' in card  # by the hash that its configuration has
 
 
 def test_without_its_primary_a_safety_policy_shows_no_drive(
     house: Path, make_cards: Callable[..., Path]
 ) -> None:
-    (house / "models" / "safety_0").rename(house / "models" / "safety_other")
-    card = (make_cards(lock=None) / "models" / "safety_other.md").read_text()
+    (house / "models" / "primary_0").rename(house / "primary_0")
+    card = (make_cards() / "models" / "safety_0.md").read_text()
     assert "there is nothing to drive" in card

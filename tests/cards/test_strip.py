@@ -9,8 +9,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from pipeline.cards.strip import sample_rows, strip
-from pipeline.data.reading import read_images, read_some_images
+from pipeline.data.dataset import Dataset
+from pipeline.data.images import read_images, read_some_images
 from pipeline.inspection.tracks import sample_frame
+from pipeline.world.features import CAMERA
 from pipeline.world.tracks import make_track
 
 
@@ -25,10 +27,11 @@ def test_rows_are_evenly_spaced(frames: int, count: int) -> None:
 
 @pytest.mark.parametrize("name", ["rollout_1", "D_1", "new_1"])
 def test_images_are_those_of_their_rows(name: str, original: Path) -> None:
-    path = original / "datasets" / name
-    images = read_images(path)
+    dataset = Dataset.open(original / "datasets" / name)
+    images = read_images(dataset, CAMERA)
     rows = list(range(0, len(images), 2))
-    np.testing.assert_array_equal(np.stack(read_some_images(path, rows)), images[rows])
+    some = np.stack(read_some_images(dataset, CAMERA, rows))
+    np.testing.assert_array_equal(some, images[rows])
 
 
 def test_a_strip_is_small_and_shows_the_images_beside_each_other() -> None:

@@ -14,8 +14,6 @@ OPTIONS = {
     "--datasets": "datasets",
     "--models": "models",
     "--metrics": "metrics",
-    "--lock": "dvc.lock",
-    "--tau": "0.0025",
     "--record-every": "3",
     "--dataset-cards": "cards/datasets",
     "--model-cards": "cards/models",
@@ -34,7 +32,7 @@ def test_whole_paths_as_arguments_are_not_shown(
     house: Path, make_cards: Callable[..., Path], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     expected = tree(make_cards("cards"))
-    paths = {"--datasets", "--models", "--metrics", "--lock"}
+    paths = {"--datasets", "--models", "--metrics"}
     given = {name: str(house / value) for name, value in OPTIONS.items() if name in paths}
     outputs = {"--dataset-cards": "whole/datasets", "--model-cards": "whole/models"}
     arguments = [word for pair in (OPTIONS | given | outputs).items() for word in pair]
@@ -53,12 +51,13 @@ def test_the_closing_line_counts_the_cards(
     assert said == "4 cards of datasets in cards/datasets, 2 of models in cards/models\n"
 
 
-def _no_lock(house: Path) -> None:
-    (house / "dvc.lock").write_text("stages: 3")
+def _no_lineage(house: Path) -> None:
+    (house / "datasets" / "D_1" / "safedagger.json").write_text("[3]")
 
 
-def _no_yaml(house: Path) -> None:
-    (house / "dvc.lock").write_text("a: b: c")
+def _other_robot(house: Path) -> None:
+    info = house / "datasets" / "D_1" / "meta" / "info.json"
+    info.write_text(info.read_text().replace("brake", "throttle"))
 
 
 def _half_written(house: Path) -> None:
@@ -88,8 +87,11 @@ def _existing(house: Path) -> None:
 @pytest.mark.parametrize(
     ("spoil", "named"),
     [
-        (_no_lock, "dvc.lock: expected a dvc.lock"),
-        (_no_yaml, "dvc.lock: expected a dvc.lock"),
+        (_no_lineage, "D_1/safedagger.json: "),
+        (
+            _other_robot,
+            "datasets/D_1: column 'action' is float32 [2] ['steering', 'throttle'], exp",
+        ),
         (_half_written, "datasets/new_1: not a dataset"),
         (_no_weights, "models/safety_0/model.safetensors: "),
         (_no_policy, "the policy's type is 'act', expected 'safedagger_primary'"),

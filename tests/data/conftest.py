@@ -7,9 +7,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from pipeline.data.dataset import Dataset
 from pipeline.data.schema import Episode
-from pipeline.data.writing import write_dataset
-from tests.episodes import random_episode
+from tests.episodes import JUDGED, random_episode, write
 
 
 def tree(root: Path) -> dict[str, bytes]:
@@ -68,16 +68,13 @@ def drives() -> list[Episode]:
 
 
 @pytest.fixture(scope="session")
-def d_0(tmp_path_factory: pytest.TempPathFactory, demonstrations: list[Episode]) -> Path:
+def d_0(tmp_path_factory: pytest.TempPathFactory, demonstrations: list[Episode]) -> Dataset:
     """`demonstrations` at 10 frames per second. Do not change it."""
-    path = tmp_path_factory.mktemp("datasets") / "D_0"
-    write_dataset(path, demonstrations, record_every=3)
-    return path
+    return write(tmp_path_factory.mktemp("datasets") / "D_0", demonstrations)
 
 
 @pytest.fixture(scope="session")
-def rollout_1(tmp_path_factory: pytest.TempPathFactory, drives: list[Episode]) -> Path:
+def rollout_1(tmp_path_factory: pytest.TempPathFactory, drives: list[Episode]) -> Dataset:
     """`drives` at 10 frames per second. Do not change it."""
     path = tmp_path_factory.mktemp("datasets") / "rollout_1"
-    write_dataset(path, drives, record_every=3)
-    return path
+    return write(path, drives, "rollout", **JUDGED)

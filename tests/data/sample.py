@@ -6,8 +6,7 @@ from pathlib import Path
 import numpy as np
 
 from pipeline.data.merging import merge
-from pipeline.data.writing import write_dataset
-from tests.episodes import random_episode
+from tests.episodes import random_episode, write
 
 
 def write_sample(root: Path) -> None:
@@ -16,9 +15,9 @@ def write_sample(root: Path) -> None:
     tracks = ("coast", "hills", "forest")
     first = [random_episode(rng, 3, task=track, reference_only=True) for track in tracks]
     then = [random_episode(rng, n, task=track, iteration=1) for n, track in enumerate(tracks, 1)]
-    write_dataset(root / "D_0", first, record_every=3)
-    write_dataset(root / "selected_1", reversed(then), record_every=3)
-    merge([root / "D_0", root / "selected_1"], root / "D_1")
+    d_0 = write(root / "D_0", first)
+    selected = write(root / "selected_1", reversed(then), "select")
+    merge([d_0, selected], root / "D_1")
 
 
 if __name__ == "__main__":

@@ -3,29 +3,29 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from pipeline.data.dataset import Dataset
 from pipeline.data.identity import identities, refuse_shared
-from pipeline.data.reading import read_episodes
-from pipeline.data.selecting import select_unsafe
-from pipeline.data.writing import write_dataset
-from tests.episodes import random_episode
+from pipeline.data.selecting import select
+from tests.episodes import random_episode, write
 
 
-def test_no_two_frames_of_a_dataset_are_the_same(rollout_1: Path) -> None:
+def test_no_two_frames_of_a_dataset_are_the_same(rollout_1: Dataset) -> None:
     assert len(set(identities(rollout_1))) == len(identities(rollout_1)) == 10
 
 
-def test_a_selected_frame_is_still_the_same(rollout_1: Path, tmp_path: Path) -> None:
-    write_dataset(tmp_path / "new", select_unsafe(read_episodes(rollout_1), 0.5), record_every=3)
-    selected = identities(tmp_path / "new")
-    assert set(selected) < set(identities(rollout_1))
-    message = f"{rollout_1}: {len(selected)} of its frames are in {tmp_path / 'new'} too"
+def test_a_selected_frame_is_still_the_same(rollout_1: Dataset, tmp_path: Path) -> None:
+    select(rollout_1, tmp_path / "new")
+    new = Dataset.open(tmp_path / "new")
+    assert set(identities(new)) < set(identities(rollout_1))
+    message = f"{rollout_1.path}: {len(new)} of its frames are in {tmp_path / 'new'} too"
     with pytest.raises(ValueError, match=message):
-        refuse_shared(tmp_path / "new", rollout_1)
+        refuse_shared(new, rollout_1)
 
 
-def test_drives_of_one_number_that_were_driven_elsewhere_are_others(tmp_path: Path) -> None:
-    """D_0 and D_safe number their drives alike, and so do two seeds."""
-    rng = np.random.default_rng(0)
-    for name in ("D_0", "D_safe"):
-        write_dataset(tmp_path / name, [random_episode(rng, 3)], record_every=3)
-    refuse_shared(tmp_path / "D_0", tmp_path / "D_safe")
+def test_drives_of_one_number_in_other_datasets_are_others(tmp_path: Path) -> None:
+    """D_0 and D_safe number their drives alike, and so do two seeds: even if all else is equal."""
+    d_0, d_safe = (
+        write(tmp_path / name, [random_episode(np.random.default_rng(0), 3)], name)
+        for name in ("D_0", "D_safe")
+    )
+    refuse_shared(d_0, d_safe)

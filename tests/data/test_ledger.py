@@ -4,32 +4,30 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from hypothesis import HealthCheck, Phase, assume, given, settings
+from hypothesis import HealthCheck, Phase, given, settings
 from hypothesis import strategies as st
 
+from pipeline.data.dataset import Dataset
 from pipeline.data.ledger import Ledger, count, cumulative
 from pipeline.data.merging import merge
-from pipeline.data.reading import read_columns, read_episodes
-from pipeline.data.selecting import select_unsafe
-from pipeline.data.writing import write_dataset
-from tests.episodes import random_episode
+from pipeline.data.selecting import sample, select
+from tests.episodes import random_episode, write
 
 
-def test_iteration_zero_is_what_the_reference_drove(d_0: Path) -> None:
+def test_iteration_zero_is_what_the_reference_drove(d_0: Dataset) -> None:
     assert count(d_0, d_0) == Ledger(
         frames_driven=7, queries=7, frames_selected=7, frames_trained=7, takeover=1.0
     )
 
 
-def test_dagger_pays_for_labels_that_it_throws_away(d_0: Path, tmp_path: Path) -> None:
-    # all ten rows labelled while the primary drives, of which every other one is kept
+def test_dagger_pays_for_labels_that_it_throws_away(d_0: Dataset, tmp_path: Path) -> None:
+    # all ten rows labelled while the primary drives, of which five are kept
     raw = random_episode(np.random.default_rng(0), 10, iteration=1)
     raw.columns["intervention"][:], raw.columns["queried"][:] = False, True
-    write_dataset(tmp_path / "raw", [raw], record_every=3)
-    sample = [raw.rows(row, row + 1) for row in range(0, 10, 2)]
-    write_dataset(tmp_path / "selected", sample, record_every=3)
-    merge([d_0, tmp_path / "selected"], tmp_path / "D_1")
-    assert count(tmp_path / "raw", tmp_path / "D_1") == Ledger(
+    driven = write(tmp_path / "raw", [raw])
+    sample(driven, tmp_path / "selected", 5, seed=0)
+    merge([d_0, Dataset.open(tmp_path / "selected")], tmp_path / "D_1")
+    assert count(driven, Dataset.open(tmp_path / "D_1")) == Ledger(
         frames_driven=10, queries=10, frames_selected=5, frames_trained=12, takeover=0.0
     )
 
@@ -42,21 +40,19 @@ def test_dagger_pays_for_labels_that_it_throws_away(d_0: Path, tmp_path: Path) -
 )
 @given(lengths=st.lists(st.integers(1, 6), min_size=1, max_size=2), seed=st.integers(0, 2**32 - 1))
 def test_safedagger_neither_loses_nor_invents_a_frame(
-    d_0: Path, lengths: list[int], seed: int
+    d_0: Dataset, lengths: list[int], seed: int
 ) -> None:
     # the rows selected are the rows queried, and what the aggregate grew by
     rng = np.random.default_rng(seed)
     raw = [random_episode(rng, n, iteration=1, episode=e) for e, n in enumerate(lengths)]
     unsafe = sum(int(drive.columns["intervention"].sum()) for drive in raw)
-    assume(unsafe > 0)
     with tempfile.TemporaryDirectory() as folder:
         root = Path(folder)
-        write_dataset(root / "raw", raw, record_every=3)
-        selected = select_unsafe(read_episodes(root / "raw"), 0.5)
-        kept = write_dataset(root / "selected", selected, record_every=3)
-        merged = merge([d_0, root / "selected"], root / "D_1")
-        ledger = count(root / "raw", root / "D_1")
-        queried = read_columns(root / "raw", ["queried"])["queried"]
+        driven = write(root / "raw", raw)
+        kept = select(driven, root / "selected")
+        merged = merge([d_0, Dataset.open(root / "selected")], root / "D_1")
+        ledger = count(driven, Dataset.open(root / "D_1"))
+        queried = driven.column("queried")
 
     assert kept.frames == queried.sum() == unsafe
     assert merged.frames == 7 + kept.frames
@@ -95,14 +91,20 @@ def test_cumulative_counts_add_up(iterations: list[Ledger]) -> None:
         assert total.takeover * total.frames_driven == pytest.approx(by_reference)
 
 
-def test_a_ledger_is_plain_numbers(d_0: Path) -> None:
+def test_a_ledger_is_plain_numbers(d_0: Dataset) -> None:
     numbers = count(d_0, d_0).to_dict()
     assert json.loads(json.dumps(numbers)) == numbers
     assert [type(number) for number in numbers.values()] == [int, int, int, int, float]
 
 
-def test_refuses_what_is_no_dataset(d_0: Path, tmp_path: Path) -> None:
-    with pytest.raises(FileNotFoundError, match="rollout_1: there is no such dataset"):
-        count(tmp_path / "rollout_1", d_0)
-    with pytest.raises(FileNotFoundError, match="D_1: there is no such dataset"):
-        count(tmp_path / "D_1", tmp_path / "D_1")
+def test_a_rollout_in_which_nothing_was_asked_cost_nothing(d_0: Dataset, tmp_path: Path) -> None:
+    drive = random_episode(np.random.default_rng(0), 4, iteration=1)
+    for name in ("intervention", "queried"):
+        drive.columns[name][:] = False
+    driven = write(tmp_path / "raw", [drive])
+    select(driven, tmp_path / "selected")
+    nothing = Dataset.open(tmp_path / "selected")
+    merge([d_0, nothing], tmp_path / "D_1")
+    assert count(driven, Dataset.open(tmp_path / "D_1")) == Ledger(4, 0, 0, 7, 0.0)
+    assert count(nothing, d_0) == Ledger(0, 0, 0, 7, 0.0)
+    assert cumulative([count(nothing, d_0)]) == [Ledger(0, 0, 0, 7, 0.0)]

@@ -1,4 +1,3 @@
-import shutil
 from collections.abc import Callable
 from pathlib import Path
 
@@ -6,40 +5,41 @@ import numpy as np
 import pyarrow.parquet as pq
 import pytest
 
-from pipeline.data.merging import merge
-from pipeline.data.reading import read_columns, read_episodes
-from pipeline.data.schema import CAMERA, COLUMNS, FEATURES, Episode
-from pipeline.data.writing import Summary, write_dataset
+from pipeline.data.dataset import Dataset
+from pipeline.data.images import read_episodes
+from pipeline.data.merging import filled, merge
+from pipeline.data.schema import Episode
+from pipeline.data.writing import Summary
+from pipeline.world.features import CAMERA, FEATURES
 from tests.data.conftest import strict_json, tree
-from tests.data.test_reading import change_feature, cut_short
-from tests.episodes import random_episode
+from tests.data.spoiling import Spoil, change_feature, change_info, copy, drop_column
+from tests.episodes import random_episode, write
+
+NUMBERS = [name for name in FEATURES if name != CAMERA]
 
 
 @pytest.fixture(scope="module")
-def d_1(tmp_path_factory: pytest.TempPathFactory, d_0: Path, rollout_1: Path) -> Path:
+def d_1(tmp_path_factory: pytest.TempPathFactory, d_0: Dataset, rollout_1: Dataset) -> Dataset:
     path = tmp_path_factory.mktemp("merged") / "D_1"
     merge([d_0, rollout_1], path)
-    return path
+    return Dataset.open(path)
 
 
 def test_merged_are_the_episodes_of_all_in_order(
-    d_1: Path, demonstrations: list[Episode], drives: list[Episode]
+    d_1: Dataset, demonstrations: list[Episode], drives: list[Episode]
 ) -> None:
     merged = list(read_episodes(d_1))
-    for episode, part in zip(merged, demonstrations + drives, strict=True):
+    for (_, episode), part in zip(merged, demonstrations + drives, strict=True):
         assert episode.task == part.task
-        for name in FEATURES:
+        for name in FEATURES.keys() - {"source.dataset"}:
             np.testing.assert_array_equal(episode.columns[name], part.columns[name])
-    assert (
-        read_columns(d_1, [])["episode_index"].tolist()
-        == [0] * 4 + [1] * 3 + [2] * 5 + [3] + [4] * 4
-    )
+    assert d_1.episode_index.tolist() == [0] * 4 + [1] * 3 + [2] * 5 + [3] + [4] * 4
 
 
 def test_lerobot_loads_the_merged(
-    d_1: Path, demonstrations: list[Episode], drives: list[Episode], load: Callable
+    d_1: Dataset, demonstrations: list[Episode], drives: list[Episode], load: Callable
 ) -> None:
-    dataset = load(d_1)
+    dataset = load(d_1.path)
     rows = [(part, row) for part in demonstrations + drives for row in range(len(part))]
     assert len(dataset) == len(rows)
     assert dataset.num_episodes == 5
@@ -51,116 +51,154 @@ def test_lerobot_loads_the_merged(
         assert item["task"] == part.task
         image = (item[CAMERA].numpy() * 255).round().astype(np.uint8).transpose(1, 2, 0)
         np.testing.assert_array_equal(image, part.columns[CAMERA][row])
-        for name in COLUMNS:
+        for name in set(NUMBERS) - {"source.dataset"}:
             np.testing.assert_array_equal(
                 np.atleast_1d(item[name].numpy()), part.columns[name][row]
             )
 
 
-def test_statistics_are_those_of_all_finite_values(d_1: Path) -> None:
-    statistics = strict_json(d_1 / "meta" / "stats.json")
-    columns = read_columns(d_1)
-    for name in COLUMNS:
+def test_statistics_are_those_of_all_finite_values(d_1: Dataset) -> None:
+    statistics = strict_json(d_1.path / "meta" / "stats.json")
+    columns = d_1.columns(NUMBERS)
+    for name in NUMBERS:
         values = columns[name][np.isfinite(columns[name]).all(axis=1)].astype(float)
         assert statistics[name]["count"] == [len(values)]
         for key in ("min", "max", "mean", "std"):
             expected = getattr(values, key)(axis=0)
             np.testing.assert_allclose(statistics[name][key], expected, atol=1e-6)
     assert statistics["episode_index"]["max"] == [4.0]
-    for file in (d_1 / "meta" / "episodes").rglob("*.parquet"):
-        table = pq.read_table(file)
-        for key in table.column_names:
-            if key.startswith("stats/"):
-                assert all(np.isfinite(np.array(cell)).all() for cell in table[key].to_pylist())
+    (file,) = d_1.episode_files
+    table = pq.read_table(file)
+    for key in table.column_names:
+        if key.startswith("stats/"):
+            assert all(np.isfinite(np.array(cell)).all() for cell in table[key].to_pylist())
 
 
-def test_merging_what_is_merged(d_1: Path, tmp_path: Path) -> None:
-    rollout_2 = tmp_path / "rollout_2"
+def test_three_at_once_are_what_two_and_one_are(
+    d_0: Dataset, rollout_1: Dataset, d_1: Dataset, tmp_path: Path
+) -> None:
     then = random_episode(np.random.default_rng(2), 6, iteration=2)
-    write_dataset(rollout_2, [then], record_every=3)
+    rollout_2 = write(tmp_path / "rollout_2", [then], "rollout")
     summary = merge([d_1, rollout_2], tmp_path / "D_2")
-    first, both = read_columns(d_1), read_columns(tmp_path / "D_2")
-    for name in COLUMNS:
-        np.testing.assert_array_equal(both[name], np.concatenate([first[name], then.columns[name]]))
-    queries = int(first["queried"].sum() + then.columns["queried"].sum())
+    queries = sum(int(d.column("queried").sum()) for d in (d_1, rollout_2))
     assert summary == Summary(tmp_path / "D_2", 6, 23, queries)
+    merge([d_0, rollout_1, rollout_2], tmp_path / "at_once")
+    assert tree(tmp_path / "at_once" / "data") == tree(tmp_path / "D_2" / "data")
 
 
-def test_refuses_frames_that_it_has_already(d_1: Path, rollout_1: Path, tmp_path: Path) -> None:
-    message = f"^{rollout_1}: 10 of its frames are in {d_1} too, expected none$"
+def test_with_nothing_the_frames_stay_what_they_were(d_0: Dataset, tmp_path: Path) -> None:
+    from pipeline.data.selecting import select
+
+    unasked = random_episode(np.random.default_rng(0), 3)
+    for name in ("intervention", "queried"):
+        unasked.columns[name][:] = False
+    select(write(tmp_path / "rollout", [unasked]), tmp_path / "new")
+    nothing = Dataset.open(tmp_path / "new")
+    assert len(nothing) == 0
+    assert merge([d_0, nothing], tmp_path / "D_1") == Summary(tmp_path / "D_1", 2, 7, 7)
+    assert tree(tmp_path / "D_1" / "data") == tree(d_0.path / "data")
+    merge([Dataset.open(tmp_path / "D_1"), nothing], tmp_path / "D_2")
+    again = Dataset.open(tmp_path / "D_2").lineage
+    assert again.parents[0] == again.parents[0] and again.sha256 not in again.own.parents
+
+
+def test_columns_that_one_side_lacks_are_filled(
+    d_0: Dataset, rollout_1: Dataset, tmp_path: Path
+) -> None:
+    before = copy(d_0, tmp_path / "before")
+    drop_column("asked_because", "ask_probability", "safe_probability", "source.dataset")(before)
+    more = copy(rollout_1, tmp_path / "more")
+    _add_signal(more)
+    datasets = [Dataset.open(before), Dataset.open(more)]
+    assert filled(datasets) == {
+        before: [
+            "safe_probability",
+            "asked_because",
+            "ask_probability",
+            "source.dataset",
+            "signal.novelty",
+        ]
+    }
+    merge(datasets, tmp_path / "D_1")
+    merged = Dataset.open(tmp_path / "D_1")
+    novelty = merged.column("signal.novelty")
+    assert np.isnan(novelty[:7]).all() and novelty[7:].tolist() == list(range(10))
+    assert np.isnan(merged.column("safe_probability")[:7]).all()
+    assert merged.column("ask_probability")[:7].tolist() == [1.0] * 7
+    assert merged.column("asked_because")[:7].tolist() == [0] * 7
+    assert set(merged.column("source.dataset")[:7].tolist()) == {datasets[0].lineage.id}
+
+
+def _add_signal(path: Path) -> None:
+    import pyarrow as pa
+
+    from tests.data.spoiling import DATA
+
+    table = pq.ParquetFile(path / DATA).read()
+    pq.write_table(
+        table.append_column("signal.novelty", pa.array(np.arange(len(table), dtype=np.float32))),
+        path / DATA,
+    )
+    change_feature("signal.novelty", dtype="float32", shape=[1], names=None)(path)
+
+
+def test_refuses_frames_that_it_has_already(
+    d_1: Dataset, rollout_1: Dataset, tmp_path: Path
+) -> None:
+    message = f"^{rollout_1.path}: 10 of its frames are in {d_1.path} too, expected none$"
     with pytest.raises(ValueError, match=message):
         merge([d_1, rollout_1], tmp_path / "D_2")
     assert list(tmp_path.iterdir()) == []
 
 
 def test_merging_changes_no_input_and_leaves_nothing_else(
-    d_0: Path, rollout_1: Path, tmp_path: Path, cache: Path, capfd: pytest.CaptureFixture
+    d_0: Dataset, rollout_1: Dataset, tmp_path: Path, capfd: pytest.CaptureFixture
 ) -> None:
-    before = tree(d_0), tree(rollout_1)
+    before = tree(d_0.path), tree(rollout_1.path)
     merge([d_0, rollout_1], tmp_path / "D_1")
-    assert (tree(d_0), tree(rollout_1)) == before
+    assert (tree(d_0.path), tree(rollout_1.path)) == before
     assert [entry.name for entry in tmp_path.iterdir()] == ["D_1"]
-    assert sorted(entry.name for entry in (tmp_path / "D_1").iterdir()) == ["data", "meta"]
-    assert not cache.exists(), "LeRobot left something in the user's home"
+    files = sorted(entry.name for entry in (tmp_path / "D_1").iterdir())
+    assert files == ["data", "meta", "safedagger.json"]
     assert capfd.readouterr() == ("", "")
-
-
-def test_refuses_another_frame_rate(d_0: Path, tmp_path: Path) -> None:
-    slow = tmp_path / "slow"
-    write_dataset(slow, [random_episode(np.random.default_rng(0), 1)], record_every=6)
-    with pytest.raises(ValueError, match=f"^{slow}: fps is 5, expected 10 as in {d_0}$"):
-        merge([d_0, slow], tmp_path / "D_1")
-    assert list(tmp_path.iterdir()) == [slow]
 
 
 @pytest.mark.parametrize(
     ("spoil", "message"),
     [
-        (change_feature("action", shape=[3]), "another schema, shape of column 'action'"),
-        (cut_short(Path("data", "chunk-000", "file-000.parquet")), "half-written"),
+        (change_info(fps=5), "fps is 5, expected 10 as in D_0"),
+        (change_info(robot_type="so100"), "robot_type is so100, expected safedagger_car as in D_0"),
+        (
+            change_feature("action", names=["a", "b"]),
+            r"column 'action' is float32 \[2\] \['a', 'b'",
+        ),
+        (change_feature("affordances", names=None), "column 'affordances' is float32"),
+        (drop_column("affordances"), "column 'affordances' is missing, expected float32"),
+        (
+            change_feature("queried", dtype="float32"),
+            r"column 'queried' is float32 \[1\], expected",
+        ),
     ],
 )
-def test_refuses_a_spoilt_input(
-    d_0: Path, tmp_path: Path, spoil: Callable[[Path], None], message: str
+def test_refuses_what_does_not_fit(
+    d_0: Dataset, rollout_1: Dataset, tmp_path: Path, spoil: Spoil, message: str
 ) -> None:
-    other = tmp_path / "other"
-    shutil.copytree(d_0, other)
+    other = copy(rollout_1, tmp_path / "other")
     spoil(other)
-    with pytest.raises(ValueError, match=f"^{other}: {message}"):
-        merge([d_0, other], tmp_path / "D_1")
+    named = message.replace("D_0", str(d_0.path))
+    with pytest.raises(ValueError, match=f"^{other}: {named}"):
+        merge([d_0, Dataset.open(other)], tmp_path / "D_1")
     assert list(tmp_path.iterdir()) == [other]
 
 
-def test_refuses_a_missing_input_and_does_not_create_it(d_0: Path, tmp_path: Path) -> None:
-    with pytest.raises(FileNotFoundError, match="there is no such dataset"):
-        merge([d_0, tmp_path / "typo"], tmp_path / "D_1")
-    assert list(tmp_path.iterdir()) == []
-
-
-def test_refuses_nothing_to_merge(tmp_path: Path) -> None:
-    with pytest.raises(ValueError, match="no datasets to merge, expected at least one path"):
-        merge([], tmp_path / "D_1")
-    assert list(tmp_path.iterdir()) == []
-
-
-def test_refuses_an_existing_output_before_any_work(tmp_path: Path) -> None:
-    (tmp_path / "D_1").mkdir()
-    with pytest.raises(FileExistsError, match="D_1: exists already, expected a new path"):
-        merge([tmp_path / "missing"], tmp_path / "D_1")
-    assert list((tmp_path / "D_1").iterdir()) == []
-
-
-def test_an_interruption_leaves_nothing(
-    d_0: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    import lerobot.datasets
-
-    def interrupt(*args: object, output_dir: Path, **kwargs: object) -> None:
-        output_dir.mkdir()
-        (output_dir / "half").write_text("")
-        raise KeyboardInterrupt
-
-    monkeypatch.setattr(lerobot.datasets, "merge_datasets", interrupt)
-    with pytest.raises(KeyboardInterrupt):
+def test_refuses_a_single_dataset(d_0: Dataset, tmp_path: Path) -> None:
+    with pytest.raises(ValueError, match="there are 1 datasets to merge, expected at least two"):
         merge([d_0], tmp_path / "D_1")
     assert list(tmp_path.iterdir()) == []
+
+
+def test_refuses_an_existing_output(d_0: Dataset, rollout_1: Dataset, tmp_path: Path) -> None:
+    (tmp_path / "D_1").mkdir()
+    with pytest.raises(FileExistsError, match="D_1: exists already, expected a new path"):
+        merge([d_0, rollout_1], tmp_path / "D_1")
+    assert list((tmp_path / "D_1").iterdir()) == []

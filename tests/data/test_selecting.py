@@ -1,4 +1,3 @@
-from collections.abc import Iterator
 from itertools import pairwise
 from pathlib import Path
 
@@ -7,144 +6,123 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from pipeline.data.schema import FEATURES, IMAGE_SHAPE, Episode
-from pipeline.data.selecting import check_unsafe, sample_frames, select_unsafe, unsafe_runs
-from tests.episodes import random_episode
+from pipeline.data.dataset import Dataset
+from pipeline.data.images import pngs, read_episodes
+from pipeline.data.pieces import chosen, runs
+from pipeline.data.schema import Episode
+from pipeline.data.selecting import sample, select
+from pipeline.world.features import CAMERA, FEATURES
+from tests.data.spoiling import copy, drop_column
+from tests.episodes import random_episode, write
 
-probability = st.one_of(st.sampled_from([0.0, 0.5, 1.0, float("nan")]), st.floats(0, 1, width=32))
-probabilities = st.lists(probability, max_size=40).map(lambda p: np.array(p, np.float32))
-cuts = st.floats(0, 1, width=32)
-
-
-@given(probabilities, cuts)
-def test_runs_cover_the_unsafe_rows_and_no_others(safe: np.ndarray, cut: float) -> None:
-    covered = [row for run in unsafe_runs(safe, cut) for row in range(run.start, run.stop)]
-    assert covered == [row for row, p in enumerate(safe.tolist()) if p < cut]
+flags = st.lists(st.booleans(), max_size=40).map(lambda found: np.array(found, bool))
 
 
-@given(probabilities, cuts)
-def test_runs_are_as_long_as_can_be(safe: np.ndarray, cut: float) -> None:
-    runs = unsafe_runs(safe, cut)
-    assert all(run.start < run.stop for run in runs)
-    assert all(a.stop < b.start for a, b in pairwise(runs))
+@given(flags)
+def test_runs_cover_the_chosen_rows_and_no_others(rows: np.ndarray) -> None:
+    covered = [row for run in runs(rows) for row in range(run.start, run.stop)]
+    assert covered == np.flatnonzero(rows).tolist()
 
 
-@pytest.mark.parametrize(
-    ("safe", "expected"),
-    [
-        ([], []),
-        ([0.9, 0.8], []),
-        ([0.1, 0.2], [slice(0, 2)]),
-        ([0.5, 0.4, 0.5], [slice(1, 2)]),
-        ([0.4, 0.6, 0.4, 0.4], [slice(0, 1), slice(2, 4)]),
-        ([0.4, float("nan"), 0.4], [slice(0, 1), slice(2, 3)]),
-    ],
-)
-def test_runs_by_hand(safe: list[float], expected: list[slice]) -> None:
-    assert unsafe_runs(np.array(safe, np.float32), 0.5) == expected
+@given(flags)
+def test_runs_are_as_long_as_can_be(rows: np.ndarray) -> None:
+    found = runs(rows)
+    assert all(run.start < run.stop for run in found)
+    assert all(a.stop < b.start for a, b in pairwise(found))
 
 
-@given(st.lists(st.integers(1, 12), max_size=4), st.integers(0, 2**32 - 1), cuts)
-def test_selection_keeps_the_unsafe_rows_as_they_were(
-    lengths: list[int], seed: int, cut: float
+def test_no_piece_reaches_over_the_end_of_an_episode(rollout_1: Dataset) -> None:
+    everything = chosen(rollout_1, np.ones(len(rollout_1), bool))
+    assert [(piece.start, piece.stop) for piece in everything] == rollout_1.bounds
+    assert all(piece.is_whole for piece in everything)
+
+
+def test_selection_keeps_what_was_asked_as_it_was(
+    rollout_1: Dataset, drives: list[Episode], tmp_path: Path
 ) -> None:
-    rng = np.random.default_rng(seed)
-    raw = [
-        random_episode(
-            rng,
-            frames,
-            episode=number,
-            task=f"track {number}",
-            images=np.zeros((frames, *IMAGE_SHAPE), np.uint8),
-        )
-        for number, frames in enumerate(lengths)
-    ]
-    selected = list(select_unsafe(raw, cut))
-
-    for run in selected:
+    summary = select(rollout_1, tmp_path / "new")
+    asked = int(rollout_1.column("queried").sum())
+    assert (summary.frames, summary.queries) == (asked, asked)
+    new = Dataset.open(tmp_path / "new")
+    for _, run in read_episodes(new):
         frames = run.columns["source.frame"][:, 0]
         assert (np.diff(frames) == 1).all(), "an episode has a gap in time"
-        origin = raw[run.columns["source.episode"][0, 0]]
+        origin = drives[run.columns["source.episode"][0, 0]]
         assert run.task == origin.task
-        for name in FEATURES:
+        for name in FEATURES.keys() - {"source.dataset"}:
             rows = origin.columns[name][frames[0] : frames[-1] + 1]
             np.testing.assert_array_equal(run.columns[name], rows)
-    unsafe = sum(int((episode.columns["safe_probability"] < cut).sum()) for episode in raw)
-    assert sum(len(run) for run in selected) == unsafe
+    assert set(new.column("source.dataset").tolist()) == {rollout_1.lineage.id}
 
 
-def test_without_a_safety_policy_nothing_is_unsafe() -> None:
-    drive = random_episode(np.random.default_rng(0), 5, reference_only=True)
-    assert list(select_unsafe([drive], 1.0)) == []
+def test_no_picture_is_encoded_anew(rollout_1: Dataset, tmp_path: Path) -> None:
+    select(rollout_1, tmp_path / "new")
+    new = Dataset.open(tmp_path / "new")
+    before, after = (
+        [png for table in d.tables(d.bounds, [CAMERA]) for png in pngs(table[CAMERA])]
+        for d in (rollout_1, new)
+    )
+    kept = np.flatnonzero(rollout_1.column("queried"))
+    assert after == [before[row] for row in kept]
 
 
-@pytest.mark.parametrize("cut", [-0.1, 1.1, float("nan")])
-def test_refuses_a_cut_that_is_no_probability(cut: float) -> None:
-    def untouched() -> Iterator[Episode]:
-        raise AssertionError("asked for an episode")
-        yield
-
-    with pytest.raises(ValueError, match="cut is"):
-        select_unsafe(untouched(), cut)
-    with pytest.raises(ValueError, match="cut is"):
-        unsafe_runs(np.zeros(3), cut)
-
-
-def test_what_a_safety_policy_called_safe_throughout_has_nothing_to_select(rollout_1: Path) -> None:
-    check_unsafe(rollout_1, 0.5)
-    message = f"^{rollout_1}: no frame has a safe_probability below the cut, 0$"
-    with pytest.raises(ValueError, match=message):
-        check_unsafe(rollout_1, 0)
+def test_what_nobody_asked_is_an_empty_dataset(tmp_path: Path) -> None:
+    drive = random_episode(np.random.default_rng(0), 5)
+    for name in ("intervention", "queried"):
+        drive.columns[name][:] = False
+    summary = select(write(tmp_path / "rollout", [drive]), tmp_path / "new")
+    assert (summary.episodes, summary.frames, summary.queries) == (0, 0, 0)
+    new = Dataset.open(tmp_path / "new")
+    assert (len(new), list(new.features)) == (0, list(FEATURES))
+    assert new.column("queried").shape == (0,)
+    assert list(read_episodes(new)) == []
 
 
-def test_refuses_a_column() -> None:
-    with pytest.raises(ValueError, match=r"shape \(3, 1\), expected \(T,\)"):
-        unsafe_runs(np.zeros((3, 1)), 0.5)
+def test_without_queried_intervention_stands_for_it(rollout_1: Dataset, tmp_path: Path) -> None:
+    other = copy(rollout_1, tmp_path / "other")
+    drop_column("queried")(other)
+    select(Dataset.open(other), tmp_path / "new")
+    new = Dataset.open(tmp_path / "new")
+    assert len(new) == rollout_1.column("intervention").sum()
+    assert new.column("queried").all() and new.column("intervention").all()
 
 
-def source(episodes: list[Episode]) -> list[tuple[int, int]]:
-    return [
-        (int(number), int(frame))
-        for episode in episodes
-        for number, frame in zip(
-            episode.columns["source.episode"][:, 0],
-            episode.columns["source.frame"][:, 0],
-            strict=True,
-        )
-    ]
+def test_refuses_what_does_not_tell_who_was_asked(rollout_1: Dataset, tmp_path: Path) -> None:
+    other = copy(rollout_1, tmp_path / "other")
+    drop_column("queried", "intervention")(other)
+    with pytest.raises(ValueError, match=f"^{other}: has neither a column 'queried' nor 'interv"):
+        select(Dataset.open(other), tmp_path / "new")
+    assert list(tmp_path.iterdir()) == [other]
 
 
-@given(st.lists(st.integers(1, 9), min_size=1, max_size=4), st.data())
+@pytest.mark.parametrize("frames", [1, 4, 10])
 def test_a_sample_has_so_many_frames_each_at_most_once_and_no_gaps(
-    lengths: list[int], data: st.DataObject
+    rollout_1: Dataset, tmp_path: Path, frames: int
 ) -> None:
-    raw = [blank(frames, number) for number, frames in enumerate(lengths)]
-    wanted = data.draw(st.integers(1, sum(lengths)))
-    rng = np.random.default_rng(data.draw(st.integers(0, 99)))
-    kept = list(sample_frames(raw, sum(lengths), wanted, rng))
-    rows = source(kept)
-    assert len(rows) == len(set(rows)) == wanted
-    assert rows == sorted(rows) and set(rows) <= set(source(raw))
-    for episode in kept:
-        frames = episode.columns["source.frame"][:, 0]
-        assert np.all(np.diff(frames) == 1)
+    assert sample(rollout_1, tmp_path / "new", frames, seed=1).frames == frames
+    new = Dataset.open(tmp_path / "new")
+    rows = list(
+        zip(*(new.column(f"source.{n}").tolist() for n in ("episode", "frame")), strict=True)
+    )
+    assert len(set(rows)) == frames
+    assert rows == sorted(rows)
+    for start, stop in new.bounds:
+        assert np.all(np.diff(new.column("source.frame")[start:stop]) == 1)
 
 
-def test_a_sample_is_uniform() -> None:
-    """Each of 10 frames is drawn 300 times of 1000 on average; 5 deviations off is 1 in a million."""
-    drawn: list[int] = []
-    for seed in range(1000):
-        kept = sample_frames([blank(4, 0), blank(6, 1)], 10, 3, np.random.default_rng(seed))
-        drawn += [4 * number + frame for number, frame in source(list(kept))]
-    assert np.all(np.abs(np.bincount(drawn, minlength=10) - 300) < 5 * np.sqrt(1000 * 0.3 * 0.7))
+def test_a_sample_is_that_of_its_seed(rollout_1: Dataset, tmp_path: Path) -> None:
+    kept = []
+    for name, seed in (("a", 1), ("b", 1), ("c", 2)):
+        sample(rollout_1, tmp_path / name, 5, seed)
+        new = Dataset.open(tmp_path / name)
+        kept.append((new.column("source.episode").tolist(), new.column("source.frame").tolist()))
+    assert kept[0] == kept[1] != kept[2]
 
 
 @pytest.mark.parametrize("frames", [0, 11])
-def test_a_sample_is_no_larger_than_the_dataset(frames: int) -> None:
-    with pytest.raises(ValueError, match=f"frames is {frames}, expected 1 to the 10"):
-        sample_frames([], 10, frames, np.random.default_rng(0))
-
-
-def blank(frames: int, number: int) -> Episode:
-    images = np.zeros((frames, *IMAGE_SHAPE), np.uint8)
-    return random_episode(np.random.default_rng(0), frames, episode=number, images=images)
+def test_a_sample_is_no_larger_than_the_dataset(
+    rollout_1: Dataset, tmp_path: Path, frames: int
+) -> None:
+    with pytest.raises(ValueError, match=f"frames is {frames}, expected 1 to the 10 of"):
+        sample(rollout_1, tmp_path / "new", frames, seed=0)
+    assert list(tmp_path.iterdir()) == []

@@ -9,7 +9,6 @@ import numpy as np
 import pytest
 import torch
 
-from pipeline.data.schema import CAMERA, CONTROL_HZ
 from pipeline.inspection.footage import Footage
 from pipeline.inspection.live import Tally, in_real_time, watched
 from pipeline.inspection.rerun_blueprints import live_blueprint
@@ -17,9 +16,11 @@ from pipeline.inspection.rerun_camera import RAW
 from pipeline.inspection.rerun_log import drive_tracer, new_recording
 from pipeline.inspection.rerun_sinks import into_file
 from pipeline.policies.inference import Driver
+from pipeline.policies.judgement import Judgement
 from pipeline.policies.network import PrimaryNetwork, SafetyNetwork, feature_size
 from pipeline.policies.recording import Drive, record
 from pipeline.policies.strategies import Rule, Strategy
+from pipeline.world.features import CAMERA, CONTROL_HZ
 from pipeline.world.tracks import make_track
 from tests.inspection.saved import batches, column, origins, recordings
 
@@ -114,7 +115,7 @@ def test_frame_by_frame_gives_what_is_there_at_the_end(driver: Driver, tmp_path:
         into_file(path, live_blueprint(fps)) as sink,
         new_recording("live", "Live", make_track(PLAN.track), sink.connect) as recording,
     ):
-        tracer = drive_tracer(recording, fps=fps, cut=0.5, tau=0.01, camera=RAW)
+        tracer = drive_tracer(recording, fps=fps, judgement=Judgement(0.5, 0.01, False), camera=RAW)
         for footage in seen:
             tracer.send(footage)
     (entry,) = recordings(path)

@@ -7,13 +7,14 @@ import numpy as np
 import pytest
 from rerun.experimental import RrdReader
 
-from pipeline.data.schema import CAMERA, Episode
-from pipeline.data.writing import write_dataset
+from pipeline.data.dataset import Dataset
+from pipeline.data.schema import Episode
 from pipeline.inspection.pairs import pairs
 from pipeline.inspection.rerun_blueprints import pair_blueprint
 from pipeline.inspection.rerun_log import BLUE, LIGHT_BLUE, ORANGE, RED, log_pair
 from pipeline.inspection.rerun_sinks import into_file
-from tests.episodes import random_episode
+from pipeline.world.features import CAMERA
+from tests.episodes import LABELS, random_episode, write
 from tests.inspection.saved import column, origins, recordings
 
 OF_A = 0, ("alder", "birch", "alder", "random:7")
@@ -29,11 +30,12 @@ def episodes(seed: int, tracks: tuple[str, ...]) -> list[Episode]:
 
 
 @pytest.fixture(scope="module")
-def datasets(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Path]:
+def datasets(tmp_path_factory: pytest.TempPathFactory) -> tuple[Dataset, Dataset]:
     a, b = (tmp_path_factory.mktemp("datasets") / name for name in "ab")
-    write_dataset(a, episodes(*OF_A), record_every=3)
-    write_dataset(b, episodes(*OF_B), record_every=3)
-    return a, b
+    return (
+        write(a, episodes(*OF_A), "rollout", cut=0.5, labels=LABELS | {"tau": 0.01}),
+        write(b, episodes(*OF_B), "rollout", cut=0.5, labels=LABELS | {"tau": 0.02}),
+    )
 
 
 @pytest.mark.parametrize(
@@ -41,7 +43,7 @@ def datasets(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Path]:
     [(0, {"alder": (0, 1), "birch": (1, 2)}), (1, {"alder": (2, 3)})],
 )
 def test_a_pair_for_each_track_of_both(
-    datasets: tuple[Path, Path], number: int, expected: dict[str, tuple[int, int]]
+    datasets: tuple[Dataset, Dataset], number: int, expected: dict[str, tuple[int, int]]
 ) -> None:
     found = pairs(*datasets, number)
     assert [pair.title for pair in found] == [
@@ -54,19 +56,21 @@ def test_a_pair_for_each_track_of_both(
             np.testing.assert_array_equal(footage.image, expected.columns[CAMERA])
 
 
-def test_what_cannot_be_paired(datasets: tuple[Path, Path], tmp_path: Path) -> None:
+def test_what_cannot_be_paired(datasets: tuple[Dataset, Dataset], tmp_path: Path) -> None:
     with pytest.raises(ValueError, match="no drive 2 on a track that is in both"):
         pairs(*datasets, 2)
-    write_dataset(tmp_path / "slow", episodes(2, ("alder",)), record_every=15)
+    slow = write(tmp_path / "slow", episodes(2, ("alder",)), fps=2)
     with pytest.raises(ValueError, match="2 frames per second, expected the 10"):
-        pairs(datasets[0], tmp_path / "slow")
+        pairs(datasets[0], slow)
 
 
-def test_both_drives_are_in_one_recording(datasets: tuple[Path, Path], tmp_path: Path) -> None:
+def test_both_drives_are_in_one_recording(
+    datasets: tuple[Dataset, Dataset], tmp_path: Path
+) -> None:
     found, path = pairs(*datasets), tmp_path / "pairs.rrd"
     with into_file(path, pair_blueprint(10)) as sink:
         for pair in found:
-            log_pair(pair, sink.connect, fps=10, cut=0.5, taus=(0.01, 0.02))
+            log_pair(pair, sink.connect, fps=10)
     entries = recordings(path)
     assert {entry.recording_id for entry in entries} == {pair.name for pair in found}
     entry = next(entry for entry in entries if entry.recording_id.startswith("alder"))

@@ -12,13 +12,14 @@ import numpy as np
 import pytest
 from rerun.experimental import RrdReader
 
-from pipeline.data.schema import AFFORDANCES, CAMERA, Episode
-from pipeline.data.writing import write_dataset
+from pipeline.data.dataset import Dataset
+from pipeline.data.schema import Episode
 from pipeline.inspection.excerpts import Excerpt, around_takeovers, whole_episodes
 from pipeline.inspection.rerun_blueprints import drive_blueprint
 from pipeline.inspection.rerun_log import log_excerpt
 from pipeline.inspection.rerun_sinks import into_file, into_viewer
-from tests.episodes import random_episode
+from pipeline.world.features import AFFORDANCES, CAMERA
+from tests.episodes import LABELS, random_episode, write
 from tests.inspection.saved import column, origins, recordings
 
 FPS, CUT, TAU = 10, 0.25, 0.01
@@ -59,14 +60,13 @@ def episodes() -> list[Episode]:
 
 
 @pytest.fixture(scope="module")
-def dataset(tmp_path_factory: pytest.TempPathFactory, episodes: list[Episode]) -> Path:
-    path = tmp_path_factory.mktemp("datasets") / "rollout"
-    write_dataset(path, episodes, record_every=30 // FPS)
-    return path
+def dataset(tmp_path_factory: pytest.TempPathFactory, episodes: list[Episode]) -> Dataset:
+    path, labels = tmp_path_factory.mktemp("datasets") / "rollout", LABELS | {"tau": TAU}
+    return write(path, episodes, "rollout", cut=CUT, labels=labels)
 
 
 @pytest.fixture(scope="module")
-def saved(tmp_path_factory: pytest.TempPathFactory, dataset: Path) -> Path:
+def saved(tmp_path_factory: pytest.TempPathFactory, dataset: Dataset) -> Path:
     """All episodes of `dataset` in one file."""
     return save(tmp_path_factory.mktemp("saved") / "all.rrd", list(whole_episodes(dataset)))
 
@@ -74,7 +74,7 @@ def saved(tmp_path_factory: pytest.TempPathFactory, dataset: Path) -> Path:
 def save(path: Path, excerpts: list[Excerpt]) -> Path:
     with into_file(path, BLUEPRINT) as sink:
         for excerpt in excerpts:
-            log_excerpt(excerpt, sink.connect, fps=FPS, cut=CUT, tau=TAU)
+            log_excerpt(excerpt, sink.connect, fps=FPS)
     return path
 
 
@@ -144,7 +144,36 @@ def test_who_drove_and_why(saved: Path, episodes: list[Episode]) -> None:
         assert set(column(saved, entry, entity, "scalars")) == {value}
 
 
-def test_one_episode_only(dataset: Path, episodes: list[Episode]) -> None:
+def test_tau_stands_beside_what_the_labels_call_a_deviation(
+    episodes: list[Episode], tmp_path: Path
+) -> None:
+    """Of a safety policy that knows brakes, the brake is in it: a wrong one is above any tau."""
+    labels = LABELS | {"include_brake": True}
+    dataset = write(tmp_path / "braking", episodes, "rollout", cut=CUT, labels=labels)
+    (excerpt,) = whole_episodes(dataset, 1)
+    path = save(tmp_path / "braking.rrd", [excerpt])
+    (entry,) = recordings(path)
+    rows = episodes[1].columns
+    squares = (rows["primary_action"] - rows["action"]) ** 2
+    expected = np.where(rows["queried"][:, 0], squares.sum(axis=1), np.nan)
+    shown = column(path, entry, "/deviation/deviation", "scalars")
+    np.testing.assert_allclose(shown, expected)
+    assert (expected > rows["deviation"][:, 0]).any()
+
+
+def test_without_a_safety_policy_nothing_is_called_unsafe(
+    episodes: list[Episode], tmp_path: Path
+) -> None:
+    dataset = write(tmp_path / "D_0", episodes[:1])
+    path = save(tmp_path / "D_0.rrd", list(whole_episodes(dataset)))
+    (entry,) = recordings(path)
+    shown = {chunk.entity_path for chunk in RrdReader(path).stream(store=entry).to_chunks()}
+    unknown = {"/safe_probability/cut", "/deviation/tau", "/who/deviation"}
+    assert not shown & unknown
+    assert shown >= (LANES | PLOTS) - unknown
+
+
+def test_one_episode_only(dataset: Dataset, episodes: list[Episode]) -> None:
     (excerpt,) = whole_episodes(dataset, 1)
     assert excerpt.title == "episode 0001: iteration 2, drive on birch with 0 other cars"
     np.testing.assert_array_equal(excerpt.episode.columns[CAMERA], episodes[1].columns[CAMERA])
@@ -156,7 +185,7 @@ def test_one_episode_only(dataset: Path, episodes: list[Episode]) -> None:
 
 
 def test_takeovers_keep_the_time_of_their_episode(
-    dataset: Path, episodes: list[Episode], tmp_path: Path
+    dataset: Dataset, episodes: list[Episode], tmp_path: Path
 ) -> None:
     excerpts = list(around_takeovers(dataset))
     assert excerpts[-1].title.startswith("takeover 0001: ")
@@ -170,7 +199,7 @@ def test_takeovers_keep_the_time_of_their_episode(
     assert column(path, entry, "/who/drove", "state") == drove.tolist()
 
 
-def test_takeovers_are_ranked_by_their_titles(dataset: Path) -> None:
+def test_takeovers_are_ranked_by_their_titles(dataset: Dataset) -> None:
     titles = [excerpt.title for excerpt in around_takeovers(dataset)]
     assert [title[:14] for title in sorted(titles)] == [
         f"takeover {rank:04d}:" for rank in range(1, len(titles) + 1)
@@ -181,9 +210,9 @@ def test_takeovers_are_ranked_by_their_titles(dataset: Path) -> None:
 
 def test_few_episodes_are_in_memory_at_a_time(tmp_path: Path) -> None:
     rng = np.random.default_rng(0)
-    write_dataset(tmp_path / "many", (random_episode(rng, 12) for _ in range(8)), record_every=3)
+    many = write(tmp_path / "many", (random_episode(rng, 12) for _ in range(8)))
     seen: list[weakref.ref[np.ndarray]] = []
-    for excerpt in around_takeovers(tmp_path / "many"):
+    for excerpt in around_takeovers(many):
         images = excerpt.episode.columns[CAMERA].base
         assert isinstance(images, np.ndarray)
         if not any(images is image() for image in seen):
@@ -193,32 +222,32 @@ def test_few_episodes_are_in_memory_at_a_time(tmp_path: Path) -> None:
     assert len(seen) == 8
 
 
-def test_where_the_reference_drove_alone_is_no_takeover(dataset: Path) -> None:
+def test_where_the_reference_drove_alone_is_no_takeover(dataset: Dataset) -> None:
     with pytest.raises(ValueError, match="episode 0 has no takeovers"):
         around_takeovers(dataset, 0)
 
 
-def test_a_file_is_never_overwritten_and_never_half_there(dataset: Path, tmp_path: Path) -> None:
+def test_a_file_is_never_overwritten_and_never_half_there(dataset: Dataset, tmp_path: Path) -> None:
     (tmp_path / "mine.rrd").write_text("precious")
     with pytest.raises(FileExistsError, match="exists already"):
         save(tmp_path / "mine.rrd", [])
     with pytest.raises(ValueError, match=r"ends in \.rrd"):
         save(tmp_path / "mine.txt", [])
     with pytest.raises(KeyboardInterrupt), into_file(tmp_path / "new.rrd", BLUEPRINT) as sink:
-        log_excerpt(next(whole_episodes(dataset)), sink.connect, fps=FPS, cut=CUT, tau=TAU)
+        log_excerpt(next(whole_episodes(dataset)), sink.connect, fps=FPS)
         raise KeyboardInterrupt
     excerpt = next(whole_episodes(dataset))
     with pytest.raises(FileExistsError), into_file(tmp_path / "late.rrd", BLUEPRINT) as sink:
-        log_excerpt(excerpt, sink.connect, fps=FPS, cut=CUT, tau=TAU)
+        log_excerpt(excerpt, sink.connect, fps=FPS)
         (tmp_path / "late.rrd").write_text("precious")
     assert sorted(path.name for path in tmp_path.iterdir()) == ["late.rrd", "mine.rrd"]
     assert {path.read_text() for path in tmp_path.iterdir()} == {"precious"}
 
 
 @pytest.mark.skipif(not Path("/proc/net/tcp").exists(), reason="lists who listens, on Linux")
-def test_only_this_machine_reaches_the_page(dataset: Path) -> None:
+def test_only_this_machine_reaches_the_page(dataset: Dataset) -> None:
     with pytest.raises(KeyboardInterrupt), into_viewer(BLUEPRINT, web=True) as sink:
-        log_excerpt(next(whole_episodes(dataset)), sink.connect, fps=FPS, cut=CUT, tau=TAU)
+        log_excerpt(next(whole_episodes(dataset)), sink.connect, fps=FPS)
         ports = [int(port) for port in re.findall(r"127\.0\.0\.1(?::|%3A)(\d+)", sink.page or "")]
         assert len(ports) == 2
         assert [listening(port) for port in ports] == [{"0100007F"}, {"0100007F"}]

@@ -45,7 +45,7 @@ def excerpt() -> Excerpt:
 def saved(tmp_path_factory: pytest.TempPathFactory, excerpt: Excerpt) -> Path:
     path = tmp_path_factory.mktemp("saved") / "one.rrd"
     with into_file(path, drive_blueprint(10)) as sink:
-        log_excerpt(excerpt, sink.connect, fps=10, cut=0.5, tau=0.01)
+        log_excerpt(excerpt, sink.connect, fps=10)
     return path
 
 

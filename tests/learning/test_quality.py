@@ -50,8 +50,12 @@ def test_what_is_not_defined_is_none():
     assert set(quality([], []).values()) == {0, None}
 
 
-def test_frames_without_a_deviation_or_a_probability_are_left_out():
-    assert quality([0.1, NAN, 0.9, 0.2], [1, 1, 0, NAN]) == quality([0.1, 0.9], [1, 0])
+def test_frames_without_a_deviation_are_left_out():
+    assert quality([0.1, 0.9, 0.2], [1, 0, NAN]) == quality([0.1, 0.9], [1, 0])
+
+
+def test_a_probability_that_is_no_number_is_the_least_safe():
+    assert quality([0.2, NAN, 0.9], [0, 1, 0]) == quality([0.2, 0.1, 0.9], [0, 1, 0])
 
 
 def test_arrays_of_different_lengths_are_refused():

@@ -6,12 +6,10 @@ import torch
 from hypothesis import given
 from hypothesis import strategies as st
 
-from pipeline.data.reading import read_columns
-from pipeline.data.writing import write_dataset
 from pipeline.learning.labels import LabelRule
 from pipeline.learning.safety import Judged, held_out_episodes, judge
 from pipeline.policies.network import PrimaryNetwork, feature_size
-from tests.episodes import random_episode
+from tests.episodes import random_episode, write
 
 RULE = LabelRule(include_brake=False, horizon=0.0, mode="last")
 
@@ -27,16 +25,16 @@ def test_a_dataset_is_judged_frame_by_frame(tmp_path: Path) -> None:
         random_episode(rng, 3, reference_only=True),
         random_episode(rng, 2, reference_only=True),
     ]
-    write_dataset(tmp_path / "D", episodes, record_every=3)
+    dataset = write(tmp_path / "D", episodes)
     primary = PrimaryNetwork(2, generator=torch.Generator().manual_seed(0))
-    seen = judge(primary, tmp_path / "D", brake_cut=0.5, rule=RULE)
+    seen = judge(primary, dataset, brake_cut=0.5, rule=RULE)
     assert seen.features.shape == (5, feature_size(2))
     assert seen.episode_index.tolist() == [0, 0, 0, 1, 1]
     proposed = primary(
         torch.from_numpy(episodes[0].columns["observation.images.front"]).permute(0, 3, 1, 2) / 255
     )
     steering = proposed["steering"].detach().numpy().clip(-1, 1)
-    action = read_columns(tmp_path / "D", ["action"])["action"][:3, 0]
+    action = dataset.columns(["action"])["action"][:3, 0]
     assert seen.deviation[:3] == pytest.approx((steering - action) ** 2, abs=0.02)
 
 
@@ -44,10 +42,10 @@ def test_labels_look_ahead_by_seconds_and_within_an_episode(tmp_path: Path) -> N
     """At 10 frames a second, 0.2 s are two frames."""
     rng = np.random.default_rng(0)
     episodes = [random_episode(rng, n, reference_only=True) for n in (4, 2)]
-    write_dataset(tmp_path / "D", episodes, record_every=3)
+    dataset = write(tmp_path / "D", episodes)
     primary = PrimaryNetwork(2, generator=torch.Generator().manual_seed(0))
     now, ahead = (
-        judge(primary, tmp_path / "D", brake_cut=0.5, rule=LabelRule(False, seconds, "last"))
+        judge(primary, dataset, brake_cut=0.5, rule=LabelRule(False, seconds, "last"))
         for seconds in (0.0, 0.2)
     )
     assert ahead.deviation.tolist() == now.deviation[[2, 3, 3, 3, 5, 5]].tolist()
@@ -56,9 +54,9 @@ def test_labels_look_ahead_by_seconds_and_within_an_episode(tmp_path: Path) -> N
 def test_frames_without_a_label_are_refused(tmp_path: Path) -> None:
     episode = random_episode(np.random.default_rng(0), 4)
     episode.columns["queried"][:] = [[True], [False], [True], [False]]
-    write_dataset(tmp_path / "raw", [episode], record_every=3)
+    dataset = write(tmp_path / "raw", [episode])
     with pytest.raises(ValueError, match="raw: 2 frames have no label of the reference"):
-        judge(PrimaryNetwork(2), tmp_path / "raw", brake_cut=0.5, rule=RULE)
+        judge(PrimaryNetwork(2), dataset, brake_cut=0.5, rule=RULE)
 
 
 @given(st.lists(st.integers(1, 5), min_size=2, max_size=20), st.floats(0, 1), st.integers(0, 99))

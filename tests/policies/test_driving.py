@@ -4,11 +4,14 @@ from collections.abc import Iterator
 
 import numpy as np
 import pytest
+import torch
 
-from pipeline.data.schema import CONTROL_HZ, IMAGE_SHAPE
-from pipeline.policies.driving import STANDSTILL, Frame, drive
+from pipeline.policies.driving import STANDSTILL, Ended, Frame, drive
+from pipeline.policies.inference import Driver
+from pipeline.policies.network import PrimaryNetwork
 from pipeline.policies.reference import reference_actions
 from pipeline.policies.strategies import Rule, Strategy
+from pipeline.world.features import CONTROL_HZ, IMAGE_SHAPE
 from pipeline.world.tracks import make_track
 from pipeline.world.world import World
 from tests.world.scenes import cars_at
@@ -61,6 +64,7 @@ def test_it_drives_as_long_as_it_may(world: World, record_every: int) -> None:
     assert len(frames) == 2 * CONTROL_HZ / record_every
     assert world.cars.s[0] - start > 10
     assert all(frame.intervention for frame in frames)
+    assert [frame.ended for frame in frames] == [None] * (len(frames) - 1) + [Ended.OUT_OF_TIME]
 
 
 def test_an_action_is_held_for_the_whole_frame(world: World) -> None:
@@ -79,14 +83,17 @@ def test_it_ends_with_the_laps(world: World) -> None:
     frames = list(by_reference(world, laps=0.1, seconds=60.0))
     assert 0.1 <= world.laps < 0.1 + 3 * 20 / CONTROL_HZ / world.track.length
     assert len(frames) < 60 * CONTROL_HZ / 3
+    assert frames[-1].ended is Ended.LAPS_DONE and not frames[-1].ended.failed
+    assert frames[-1].distance == world.distance == pytest.approx(world.laps * world.track.length)
 
 
 def test_it_ends_off_the_road() -> None:
     track = make_track("willow")
     with World(track, 0, (0.0, 0.0), np.random.default_rng(0)) as world:
         world.cars = cars_at(track, [0.0], [0], offset=5.0)
-        assert len(list(by_reference(world))) == 1
+        (frame,) = by_reference(world)
         assert world.off_road
+        assert frame.ended is Ended.ROAD_LEFT and frame.ended.failed
 
 
 def test_it_ends_where_the_car_stands_still() -> None:
@@ -97,6 +104,24 @@ def test_it_ends_where_the_car_stands_still() -> None:
         frames = list(by_reference(world, seconds=STANDSTILL + 60.0))
         assert world.cars.speed[0] == 0 and world.damage == 0
         assert STANDSTILL <= len(frames) * 3 / CONTROL_HZ < STANDSTILL + 10
+        assert frames[-1].ended is Ended.STOOD_STILL and frames[-1].ended.failed
+
+
+def test_an_action_that_is_no_number_is_refused_at_once(world: World) -> None:
+    primary = PrimaryNetwork(2, generator=torch.Generator().manual_seed(0))
+    with torch.no_grad():
+        primary.outputs["steering"][2].weight.fill_(np.nan)
+    frames = drive(
+        world,
+        Driver(primary, brake_cut=0.5),
+        Rule(Strategy.NAIVE),
+        record_every=3,
+        laps=1.0,
+        seconds=2.0,
+        rng=np.random.default_rng(0),
+    )
+    with pytest.raises(ValueError, match=r"the primary's action is \[nan +0\.\], expected finite"):
+        next(frames)
 
 
 def test_equal_worlds_are_driven_equally() -> None:

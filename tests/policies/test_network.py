@@ -5,7 +5,6 @@ import pytest
 import torch
 import torch.nn.functional as F
 
-from pipeline.data.schema import ACTIONS, AFFORDANCES
 from pipeline.policies.network import (
     DISTANCES,
     INDICATORS,
@@ -18,6 +17,7 @@ from pipeline.policies.network import (
     to_actions,
     to_float,
 )
+from pipeline.world.features import ACTIONS, AFFORDANCES
 
 torch.set_num_threads(1)
 

@@ -7,7 +7,7 @@ import torch
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from pipeline.data.schema import CAMERA
+from pipeline.data.schema import Asked
 from pipeline.policies.inference import Driver
 from pipeline.policies.network import PrimaryNetwork, SafetyNetwork, feature_size
 from pipeline.policies.recording import (
@@ -19,6 +19,7 @@ from pipeline.policies.recording import (
     until_queries,
 )
 from pipeline.policies.strategies import Rule, Strategy
+from pipeline.world.features import CAMERA
 from tests.episodes import random_episode
 
 PLAN = Drive(
@@ -42,7 +43,15 @@ def driver() -> Driver:
 def recordings(lengths: list[int], seed: int) -> list[Recording]:
     rng = np.random.default_rng(seed)
     episodes = [random_episode(rng, length, iteration=1) for length in lengths]
-    return [Recording(episode, np.zeros((len(episode), 2), np.float32)) for episode in episodes]
+    return [
+        Recording(
+            episode,
+            np.zeros((len(episode), 2), np.float32),
+            distance=np.arange(len(episode)) + 1.0,
+            touches=np.arange(len(episode)) // 3,
+        )
+        for episode in episodes
+    ]
 
 
 @given(
@@ -65,6 +74,11 @@ def test_a_budget_is_spent_and_never_overdrawn(
         assert np.array_equal(
             cut_short.episode.columns[CAMERA], original.episode.columns[CAMERA][:length]
         )
+        if length < len(original.episode):
+            ending = cut_short.episode.ending
+            assert ending is not None and ending["ended"] == "budget spent"
+            assert (ending["frames"], ending["distance_m"]) == (length, float(length))
+            assert (ending["touches"], ending["put_back"]) == ((length - 1) // 3, 0)
 
 
 def test_the_result_does_not_depend_on_the_number_of_workers() -> None:
@@ -112,6 +126,46 @@ def test_a_dataset_never_tells_what_nobody_paid_for() -> None:
     columns = record(replace(PLAN, rule=Rule(Strategy.NAIVE)), driver(), 1, 0).episode.columns
     assert not columns["queried"].any()
     assert np.isnan(columns["deviation"]).all()
+
+
+@pytest.mark.parametrize(
+    ("rule", "reasons"),
+    [
+        (Rule(Strategy.REFERENCE), {Asked.DROVE}),
+        (Rule(Strategy.SAFE, cut=1.0), {Asked.DROVE}),
+        (Rule(Strategy.SAFE, cut=0.0), {Asked.NOT}),
+        (Rule(Strategy.MIXTURE, beta=0.5), {Asked.DROVE, Asked.MIXTURE}),
+    ],
+)
+def test_it_says_why_the_reference_was_asked(rule: Rule, reasons: set[Asked]) -> None:
+    columns = record(replace(PLAN, rule=rule), driver(), 1, 0).episode.columns
+    because, probability = columns["asked_because"][:, 0], columns["ask_probability"][:, 0]
+    assert set(because.tolist()) == reasons
+    drove = columns["intervention"][:, 0]
+    assert np.array_equal(because == Asked.DROVE, drove)
+    assert np.array_equal(because != Asked.NOT, columns["queried"][:, 0])
+    assert np.array_equal(probability, columns["queried"][:, 0])
+
+
+@pytest.mark.parametrize(
+    ("change", "ended", "put_back"),
+    [
+        ({"seconds": 1.0}, "out of time", 0),
+        ({"laps": 0.01, "seconds": 30.0}, "laps done", 0),
+        ({"rule": Rule(Strategy.NAIVE), "seconds": 60.0}, "road left", 1),
+    ],
+)
+def test_a_drive_says_how_it_ended(change: dict, ended: str, put_back: int) -> None:
+    """An untrained primary does not steer."""
+    plan = replace(PLAN, **({"rule": Rule(Strategy.REFERENCE)} | change))
+    driven = record(plan, driver(), 1, 7)
+    ending = driven.episode.ending
+    assert ending is not None
+    assert (ending["ended"], ending["put_back"]) == (ended, put_back)
+    assert (ending["episode"], ending["task"]) == (7, plan.task)
+    assert ending["frames"] == len(driven.episode) == len(driven.distance)
+    x, y = driven.episode.columns["vehicle_state"][[0, -1], :2].T
+    assert ending["distance_m"] > 0.9 * np.hypot(np.diff(x), np.diff(y))[0]
 
 
 @pytest.mark.parametrize("beta", [0.0, 0.5, 1.0])

@@ -38,6 +38,11 @@ def test_safe_hands_over_below_the_cut(safe_probability: float, cut: float, driv
     assert rule.reference_drives(safe_probability, math.nan, 0.0) is drives
 
 
+@given(shares)
+def test_a_safety_policy_that_answers_nan_is_not_trusted(cut: float) -> None:
+    assert Rule(Strategy.SAFE, cut=cut).reference_drives(math.nan, 0.0, 0.0)
+
+
 @pytest.mark.parametrize(("deviation", "drives"), [(0.0, False), (0.0025, False), (0.0026, True)])
 def test_optimal_hands_over_above_the_threshold(deviation: float, drives: bool) -> None:
     rule = Rule(Strategy.OPTIMAL, tau=0.0025)

@@ -9,9 +9,8 @@ import numpy as np
 import pytest
 import typer
 
-from pipeline.data.writing import write_dataset
 from stages import __main__ as cli
-from tests.episodes import random_episode
+from tests.episodes import random_episode, write
 
 STAGES = list(typer.main.get_command(cli.app).commands)  # type: ignore[attr-defined]
 HEAVY = {"torch", "lerobot", "pybullet", "numpy", "matplotlib", "datasets"}
@@ -117,7 +116,7 @@ def test_an_output_that_exists_is_left_alone(
 @pytest.mark.parametrize(
     "arguments",
     [
-        ("select", "missing", "out", "--cut", "0.5"),
+        ("select", "missing", "out"),
         ("contact-sheet", "missing", "out", "--frames", "3"),
         ("inspect", "missing"),
         ("compare", "missing", "missing"),
@@ -127,7 +126,7 @@ def test_an_output_that_exists_is_left_alone(
         (
             "cards",
             *("--datasets", "missing", "--models", "missing", "--metrics", "missing"),
-            *("--tau", "0.0025", "--record-every", "3"),
+            *("--record-every", "3"),
             *("--dataset-cards", "out", "--model-cards", "out_too"),
         ),
         (
@@ -153,8 +152,6 @@ def test_an_output_that_exists_is_left_alone(
             "1",
             "--frames",
             "1",
-            "--cut",
-            "0.5",
             "--iteration",
             "1",
             "--metrics",
@@ -176,17 +173,35 @@ def test_missing_input_is_named_and_nothing_is_written(
     assert list(tmp_path.iterdir()) == []
 
 
-def test_of_a_dataset_without_a_safety_policy_nothing_is_selected(
+def test_what_nobody_asked_is_selected_merged_and_counted(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    episode = random_episode(np.random.default_rng(0), 2, reference_only=True)
-    write_dataset(tmp_path / "D_0", [episode], record_every=3)
-    code, error = run(
-        capsys, monkeypatch, "select", tmp_path / "D_0", tmp_path / "out", "--cut", "0.5"
-    )
-    assert code == 2
-    assert error.startswith(f"safedagger: {tmp_path / 'D_0'}: no safe_probability, expected")
-    assert not (tmp_path / "out").exists()
+    """A rollout in which nothing was unsafe: the primary has become good, and all goes on."""
+    monkeypatch.chdir(tmp_path)
+    rng = np.random.default_rng(0)
+    where = "drive on yew with 2 other cars"
+    write(Path("D_0"), [random_episode(rng, 3, task=where, reference_only=True)])
+    safe = random_episode(rng, 4, task=where, iteration=1)
+    for name in ("intervention", "queried"):
+        safe.columns[name][:] = False
+    write(Path("rollout_1"), [safe], "rollout")
+    steps = {
+        ("select", "rollout_1", "new_1"): "new_1: 0 episodes, 0 frames, 0 queries",
+        ("merge", "D_0", "new_1", "D_1"): "D_1: 1 episodes, 3 frames, 3 queries",
+        ("ledger", "rollout_1", "D_1", "--metrics", "ledger.json"): "ledger.json: frames_driven 4, "
+        "queries 0, frames_selected 0, frames_trained 3, takeover 0",
+        ("inspect", "D_1", "--save", "D_1.rrd"): "D_1.rrd: open it with `rerun D_1.rrd`",
+    }
+    for command, last in steps.items():
+        monkeypatch.setattr(sys, "argv", ["safedagger", *command])
+        with pytest.raises(SystemExit) as exit_:
+            cli.main()
+        said = capsys.readouterr().out.splitlines()
+        assert (exit_.value.code, said[-1]) == (0, last)
+        if command[0] in ("select", "merge"):
+            assert "nothing to" in said[-2]
+    code, error = run(capsys, monkeypatch, "inspect", "new_1", "--save", "x.rrd")
+    assert (code, error) == (2, "safedagger: new_1: has no frames, expected some to look at\n")
 
 
 PRIMARY = {
@@ -213,8 +228,8 @@ def test_training_is_refused_what_would_spoil_it(
         episodes = [
             random_episode(rng, 3, episode=number + each, reference_only=True) for each in (0, 1)
         ]
-        write_dataset(Path(name), episodes, record_every=3)
-    write_dataset(Path("rollout"), [random_episode(rng, 9, iteration=1)], record_every=3)
+        write(Path(name), episodes, name)
+    write(Path("rollout"), [random_episode(rng, 9, iteration=1)], "rollout")
 
     train = ("train-primary", "D_0", "one", *flat(PRIMARY), "--no-mirror")
     assert run(capsys, monkeypatch, *train)[0] == 0

@@ -7,13 +7,12 @@ import numpy as np
 import pytest
 import torch
 
-from pipeline.data.writing import write_dataset
 from pipeline.policies.loading import weights_sha256
 from pipeline.policies.network import PrimaryNetwork, SafetyNetwork, feature_size
 from pipeline.policies.primary import PrimaryConfig, PrimaryPolicy
 from pipeline.policies.safety import SafetyConfig, SafetyPolicy
 from stages import __main__ as cli
-from tests.episodes import random_episode
+from tests.episodes import random_episode, write
 from tests.inspection.saved import column, recordings
 
 BOTH = ["primary", "safety", "primary_b", "safety_b"]
@@ -27,7 +26,7 @@ def made(tmp_path_factory: pytest.TempPathFactory) -> Path:
     rng = np.random.default_rng(0)
     for name in ("a", "b"):
         episode = random_episode(rng, 20, task="drive on yew with 2 other cars")
-        write_dataset(root / name, [episode], record_every=3)
+        write(root / name, [episode])
     generator = torch.Generator().manual_seed(0)
     for ending in ("", "_b"):
         primary = PrimaryNetwork(2, generator=generator)

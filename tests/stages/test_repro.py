@@ -125,15 +125,15 @@ def test_the_run_is_what_it_was(house: Path) -> None:
 
 
 def test_what_was_selected_is_what_was_queried_is_what_was_merged(house: Path) -> None:
-    from pipeline.data.reading import read_columns
+    from pipeline.data.dataset import Dataset
 
-    before = len(read_columns(house / "datasets" / "D_0")["episode_index"])
+    before = len(Dataset.open(house / "datasets" / "D_0"))
     for step in ("safedagger_1", "safedagger_2"):
-        raw = read_columns(house / "datasets" / f"rollout_{step}")
-        selected = read_columns(house / "datasets" / f"new_{step}")
-        after = len(read_columns(house / "datasets" / f"D_{step}")["episode_index"])
-        queries = int(raw["queried"].sum())
-        assert queries == len(selected["episode_index"]) == after - before
+        raw = Dataset.open(house / "datasets" / f"rollout_{step}")
+        selected = Dataset.open(house / "datasets" / f"new_{step}")
+        after = len(Dataset.open(house / "datasets" / f"D_{step}"))
+        queries = int(raw.column("queried").sum())
+        assert queries == len(selected) == after - before
         assert metric(house, f"ledger_D_{step}")["queries"] == queries
         before = after
 

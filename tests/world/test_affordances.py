@@ -3,9 +3,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from pipeline.data.schema import AFFORDANCES
 from pipeline.world.affordances import FULL_ANGLE, affordances
 from pipeline.world.cars import LENGTH, Cars
+from pipeline.world.features import AFFORDANCES
 from pipeline.world.tracks import LANE_WIDTH, Track, make_track
 from pipeline.world.traffic import SENSOR_RANGE, start
 from tests.world.scenes import cars_at, track_names

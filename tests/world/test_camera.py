@@ -4,9 +4,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from pipeline.data.schema import IMAGE_SHAPE
 from pipeline.world import camera
 from pipeline.world.cars import Cars
+from pipeline.world.features import IMAGE_SHAPE
 from pipeline.world.tracks import SHOULDER, Track, make_track
 from pipeline.world.world import World
 from tests.world.scenes import NAMES, cars_at, straightest

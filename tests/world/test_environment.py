@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 from gymnasium.utils.env_checker import check_env
 
-from pipeline.data.schema import AFFORDANCES, CONTROL_HZ
 from pipeline.policies.reference import reference_actions
 from pipeline.world.environment import DrivingEnv
+from pipeline.world.features import AFFORDANCES, CONTROL_HZ
 from tests.world.scenes import cars_at, straightest
 
 NAME = "pipeline.world.environment:safedagger/Driving-v0"

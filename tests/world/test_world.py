@@ -71,9 +71,11 @@ def test_a_new_touch_counts_anew(world_of: WorldOf, alder: Track) -> None:
     world.cars.x[1], world.cars.y[1] = alder.centreline.position(world.cars.s[1], world.cars.d[1])
     coast(world, 1.0)
     assert world.damage == once
+    assert world.touches == 1
     world.cars = meeting(alder, 20.0, 10.0)
     coast(world, 0.2)
     assert world.damage == pytest.approx(2 * once, rel=0.01)
+    assert world.touches == 2
 
 
 def test_no_contact_no_damage(world_of: WorldOf, alder: Track) -> None:
@@ -162,3 +164,12 @@ def test_forty_one_cars_are_stepped_in_well_under_the_time_they_live(alder: Trac
         start = process_time()
         coast(world, 2.0)
         assert process_time() - start < 1.0
+
+
+@pytest.mark.parametrize("car", [0, 1])
+def test_an_action_that_is_no_number_is_refused(world_of: WorldOf, alder: Track, car: int) -> None:
+    world = world_of(alder, meeting(alder, 20.0, 10.0))
+    actions = np.zeros((2, 2))
+    actions[car] = np.nan
+    with pytest.raises(ValueError, match=rf"action of car {car} is \[nan nan\], expected finite"):
+        world.step(actions)

@@ -1,0 +1,223 @@
+"""A LeRobot v3.0 dataset on this disk, opened and checked once. In the shapes, N is its rows.
+
+LeRobot's loader creates a mistyped path and then asks the network for it, copies the data into a
+cache, and takes 10 s to import. So the files are read themselves, after `open` has made sure that
+LeRobot could load them.
+"""
+
+import csv
+import hashlib
+from bisect import bisect_right
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import Any, Self
+
+import numpy as np
+import pyarrow as pa
+import pyarrow.parquet as pq
+from numpy.typing import NDArray
+
+from pipeline.data import stored
+from pipeline.data.checks import check_complete, check_episodes, read_info
+from pipeline.data.lineage import Lineage
+from pipeline.data.schema import (
+    CORE,
+    LEROBOT_COLUMNS,
+    SOURCE,
+    Asked,
+    Feature,
+    check_features,
+    column_dtype,
+    core_features,
+    missing_value,
+    pictures,
+)
+
+DRIVES = "drives.csv"
+"""Beside meta/, in what was recorded: how each drive ended."""
+
+
+@dataclass(frozen=True, eq=False)
+class Dataset:
+    """What is known of a dataset without reading its rows; `open` makes one."""
+
+    path: Path
+    info: Mapping[str, Any]
+    """meta/info.json"""
+    features: dict[str, Feature]
+    """LeRobot's description of each column, but of LeRobot's own"""
+    lengths: NDArray[np.int64]
+    """rows of each episode"""
+    tasks: Sequence[str]
+    """of each episode, that of its first row"""
+
+    @classmethod
+    def open(cls, path: Path) -> Self:
+        """Check that `path` is a complete LeRobot v3.0 dataset, whoever wrote it.
+
+        Raises:
+            FileNotFoundError: there is nothing at `path`.
+            ValueError: it is no dataset, half-written, of another format, or its parts disagree.
+        """
+        info = read_info(path)
+        features: dict[str, Feature] = {
+            name: {**feature, "shape": tuple(feature["shape"])}
+            for name, feature in info["features"].items()
+            if name not in LEROBOT_COLUMNS
+        }
+        check_complete(path, info)
+        lengths, tasks = check_episodes(path)
+        return cls(path, info, features, lengths, tasks)
+
+    def __len__(self) -> int:
+        return int(self.lengths.sum())
+
+    @property
+    def fps(self) -> int:
+        """Frames per second."""
+        return int(self.info["fps"])
+
+    @property
+    def cameras(self) -> list[str]:
+        """The columns with pictures."""
+        return pictures(self.features)
+
+    @property
+    def with_core(self) -> dict[str, Feature]:
+        """Its features, and the core columns that it lacks."""
+        core = core_features(self.features["action"])
+        return self.features | {n: of for n, of in core.items() if n not in self.features}
+
+    @property
+    def bounds(self) -> list[tuple[int, int]]:
+        """Of each episode the first of its rows and the one after its last."""
+        stops = np.cumsum(self.lengths)
+        return list(zip((stops - self.lengths).tolist(), stops.tolist(), strict=True))
+
+    @cached_property
+    def lineage(self) -> Lineage:
+        """What it is and comes from: of a foreign one, a hash of its data files is all there is."""
+        known = Lineage.read(self.path)
+        if known is not None:
+            return known
+        digest = hashlib.sha256()
+        for file in self.data_files:
+            digest.update(file.read_bytes())
+        return Lineage.foreign(digest.hexdigest())
+
+    @property
+    def drives(self) -> list[dict[str, str]]:
+        """How each drive that was recorded in it ended, as `write_dataset` wrote it down."""
+        file = self.path / DRIVES
+        if not file.is_file():
+            return []
+        with open(file, newline="", encoding="utf-8") as rows:
+            return list(csv.DictReader(rows))
+
+    @property
+    def data_files(self) -> list[Path]:
+        """In the order of the rows."""
+        return stored.data_files(self.path)
+
+    @property
+    def episode_files(self) -> list[Path]:
+        """With what is known of each episode, in their order."""
+        return stored.episode_files(self.path)
+
+    def file_of(self, row: int) -> int:
+        """Which of `data_files` a row is in."""
+        return bisect_right(self._first_rows, row) - 1
+
+    @cached_property
+    def _first_rows(self) -> list[int]:
+        return stored.first_rows(self.data_files)
+
+    def videos(self, camera: str) -> list[tuple[int, int, float]]:
+        """Of each episode the chunk and the file of its video, and when it begins there [s]."""
+        if camera not in self._videos:
+            names = ("chunk_index", "file_index", "from_timestamp")
+            columns = [f"videos/{camera}/{name}" for name in names]
+            parts = [pq.ParquetFile(file).read(columns) for file in self.episode_files]
+            rows = pa.concat_tables(parts).to_pydict()
+            self._videos[camera] = list(zip(*(rows[name] for name in columns), strict=True))
+        return self._videos[camera]
+
+    @cached_property
+    def _videos(self) -> dict[str, list[tuple[int, int, float]]]:
+        return {}
+
+    def require(self, wanted: Mapping[str, Feature]) -> None:
+        """Check that it has the columns `wanted`, of the same dtype, shape and names.
+
+        Raises:
+            ValueError: names the first that it has not, and both sides.
+        """
+        try:
+            check_features(self.features, wanted)
+        except ValueError as error:
+            raise ValueError(f"{self.path}: {error}") from None
+
+    def columns(self, names: Iterable[str]) -> dict[str, NDArray]:
+        """All rows of the columns `names`, which are no pictures: [N, *shape], of their own dtype.
+
+        Of a core column that the dataset lacks: where nobody wrote down what was `queried`, it is
+        what the reference drove (`intervention`); `source.*` is the row's place here; else see
+        `missing_value`.
+
+        Raises:
+            ValueError: there is no such column.
+        """
+        names = list(names)
+        for name in names:
+            if name in self.cameras or not (self.has(name) or name in CORE):
+                raise ValueError(f"{self.path}: has no column {name!r} of numbers or text")
+        there = self._read([name for name in names if self.has(name)])
+        return {name: there[name] if name in there else self._derived(name) for name in names}
+
+    def column(self, name: str) -> NDArray:
+        """The numbers [N] of a column of shape (1,); raises as `columns`."""
+        return self.columns([name])[name][:, 0]
+
+    @property
+    def episode_index(self) -> NDArray[np.int64]:
+        """[N], the episode of each row."""
+        return np.repeat(np.arange(len(self.lengths)), self.lengths)
+
+    def tables(
+        self, rows: Iterable[tuple[int, int]], columns: Sequence[str] | None = None
+    ) -> Iterator[pa.Table]:
+        """As `stored.tables`, of its data files."""
+        return stored.tables(self.data_files, rows, columns)
+
+    def has(self, name: str) -> bool:
+        """Whether the column is stored, not only derived."""
+        return name in self.features or name in LEROBOT_COLUMNS
+
+    def _read(self, names: list[str]) -> dict[str, NDArray]:
+        return stored.numbers(
+            self.data_files, {name: (self.features | LEROBOT_COLUMNS)[name] for name in names}
+        )
+
+    def _derived(self, name: str) -> NDArray:
+        """A core column that nobody wrote down."""
+        feature = self.with_core[name]
+        shape, missing = (len(self), *feature["shape"]), missing_value(feature)
+        values = np.full(shape, missing, column_dtype(feature))
+        if name == "queried" and self.has("intervention"):
+            return self.columns(["intervention"])["intervention"]
+        if name == "asked_because":
+            return np.where(self.columns(["queried"])["queried"], Asked.DROVE, values)
+        if name == "ask_probability":
+            return np.where(self.columns(["intervention"])["intervention"], np.float32(1), values)
+        if name in SOURCE:
+            firsts = np.repeat([start for start, _ in self.bounds], self.lengths)
+            place = {
+                "source.dataset": np.array(self.lineage.id),
+                "source.iteration": np.array(-1),
+                "source.episode": self.episode_index,
+                "source.frame": np.arange(len(self)) - firsts,
+            }[name]
+            values[:, 0] = place
+        return values

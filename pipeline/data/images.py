@@ -1,0 +1,122 @@
+"""What the cameras of a dataset saw: PNG files in its rows, or videos beside them.
+
+In the shapes, N is the number of rows, and H, W, C are the camera's height, width and channels.
+"""
+
+from bisect import bisect_right
+from collections.abc import Iterable, Iterator, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from functools import partial
+from pathlib import Path
+
+import cv2
+import numpy as np
+import pyarrow as pa
+from numpy.typing import NDArray
+
+from pipeline.data.dataset import Dataset
+from pipeline.data.schema import Episode
+
+Images = NDArray[np.uint8]
+
+
+def read_images(dataset: Dataset, camera: str) -> Images:
+    """All images of a camera, uint8 [N, H, W, C] (RGB), rows in order.
+
+    Raises:
+        ValueError: there is no such camera, or an image is none of its shape.
+    """
+    shape = _shape(dataset, camera)
+    images = np.empty((len(dataset), *shape), np.uint8)
+    for (start, stop), part in zip(
+        dataset.bounds, read_pictures(dataset, camera, dataset.bounds), strict=True
+    ):
+        images[start:stop] = part
+    return images
+
+
+def read_some_images(dataset: Dataset, camera: str, rows: Sequence[int]) -> list[Images]:
+    """The images uint8 [H, W, C] (RGB) of a camera in `rows`, which rise; no others are read.
+
+    Raises:
+        ValueError: as `read_images`.
+    """
+    return [part[0] for part in read_pictures(dataset, camera, [(row, row + 1) for row in rows])]
+
+
+def read_episodes(
+    dataset: Dataset, only: Iterable[int] | None = None
+) -> Iterator[tuple[int, Episode]]:
+    """The episodes with their numbers, or `only` some, in order; one at a time is in memory.
+
+    Core columns that the dataset lacks are derived, as `Dataset.columns` does.
+
+    Raises:
+        ValueError: as `read_images`.
+    """
+    chosen = range(len(dataset.lengths)) if only is None else sorted(only)
+    features = dataset.with_core
+    cameras = [name for name in features if name in dataset.cameras]
+    columns = dataset.columns([name for name in features if name not in cameras])
+    bounds = [dataset.bounds[episode] for episode in chosen]
+    streams = [read_pictures(dataset, camera, bounds) for camera in cameras]
+    for episode, (start, stop), *pictures in zip(chosen, bounds, *streams, strict=True):
+        rows = {name: values[start:stop] for name, values in columns.items()}
+        seen = dict(zip(cameras, pictures, strict=True))
+        yield episode, Episode(dataset.tasks[episode], rows | seen, features)
+
+
+def _shape(dataset: Dataset, camera: str) -> tuple[int, ...]:
+    if camera not in dataset.cameras:
+        raise ValueError(f"{dataset.path}: has no camera {camera!r}")
+    return tuple(dataset.features[camera]["shape"])
+
+
+def read_pictures(
+    dataset: Dataset, camera: str, rows: Sequence[tuple[int, int]]
+) -> Iterator[Images]:
+    """uint8 [stop - start, H, W, C] for each (start, stop) of `rows`, as `Dataset.tables` takes them."""
+    shape = _shape(dataset, camera)
+    if dataset.features[camera]["dtype"] == "video":
+        yield from _from_videos(dataset, camera, rows)
+        return
+    # OpenCV decodes outside the GIL
+    with ThreadPoolExecutor(2) as pool:
+        for table in dataset.tables(rows, [camera]):
+            png = pngs(table[camera])
+            decoded = pool.map(partial(_decode, f"{dataset.path}: {camera}", shape), png)
+            yield np.stack(list(decoded))
+
+
+def pngs(column: pa.ChunkedArray) -> list[bytes]:
+    """The files in a column of images."""
+    return [png for chunk in column.chunks for png in chunk.field("bytes").to_pylist()]
+
+
+def _decode(where: str, shape: tuple[int, ...], png: bytes) -> Images:
+    image = cv2.imdecode(np.frombuffer(png, np.uint8), cv2.IMREAD_COLOR_RGB) if png else None
+    if image is None or image.shape != shape:
+        raise ValueError(f"{where}: an image is no PNG of shape {shape}")
+    return image.astype(np.uint8, copy=False)
+
+
+def _from_videos(
+    dataset: Dataset, camera: str, rows: Sequence[tuple[int, int]]
+) -> Iterator[Images]:
+    from lerobot.datasets.video_utils import decode_video_frames
+
+    starts = [start for start, _ in dataset.bounds]
+    for start, stop in rows:
+        episode = bisect_right(starts, start) - 1
+        file, begin = video_of(dataset, camera, episode)
+        times = begin + (np.arange(start, stop) - starts[episode]) / dataset.fps
+        frames = decode_video_frames(file, times.tolist(), 1e-4, "pyav", return_uint8=True)
+        yield frames.permute(0, 2, 3, 1).numpy()
+
+
+def video_of(dataset: Dataset, camera: str, episode: int) -> tuple[Path, float]:
+    """The file that an episode is in, and when it begins there [s]."""
+    chunk, number, begin = dataset.videos(camera)[episode]
+    template = str(dataset.info["video_path"])
+    named = template.format(video_key=camera, chunk_index=chunk, file_index=number)
+    return dataset.path / named, begin

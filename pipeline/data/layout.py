@@ -1,0 +1,131 @@
+"""How LeRobot's format v3.0 lays out a dataset: the types of its columns, and its small files."""
+
+import json
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import pyarrow as pa
+import pyarrow.parquet as pq
+
+from pipeline.data.schema import LEROBOT_COLUMNS, PICTURES, Feature
+
+DATA_FILE = "data/chunk-{chunk:03d}/file-{number:03d}.parquet"
+EPISODES_FILE = Path("meta/episodes/chunk-000/file-000.parquet")
+VIDEO_FILE = "videos/{camera}/chunk-{chunk:03d}/file-{number:03d}.mp4"
+CHUNK = 1000  # files in a folder
+
+_IMAGE = pa.struct([("bytes", pa.binary()), ("path", pa.string())])
+
+
+def place(number: int) -> dict[str, int]:
+    """The chunk and the number in it of the `number`th file of a kind."""
+    return {"chunk": number // CHUNK, "number": number % CHUNK}
+
+
+def arrow_schema(features: Mapping[str, Feature]) -> pa.Schema:
+    """Of the rows with the columns `features`, and LeRobot's own; a video has no column."""
+    stored = {name: of for name, of in features.items() if of["dtype"] != PICTURES[1]}
+    columns = {**stored, **LEROBOT_COLUMNS}
+    about = {"info": {"features": {name: _described(of) for name, of in columns.items()}}}
+    return pa.schema(
+        [(name, arrow_type(of)) for name, of in columns.items()],
+        metadata={"huggingface": json.dumps(about)},
+    )
+
+
+def arrow_type(feature: Feature) -> pa.DataType:
+    """Of a column."""
+    if feature["dtype"] in PICTURES:
+        return _IMAGE
+    kind = pa.from_numpy_dtype(feature["dtype"]) if feature["dtype"] != "string" else pa.string()
+    shape = feature["shape"]
+    if shape == (1,):
+        return kind
+    if len(shape) == 1:
+        return pa.list_(pa.field("element", kind), shape[0])
+    for _ in shape:
+        kind = pa.list_(pa.field("element", kind))
+    return kind
+
+
+def _described(feature: Feature) -> dict[str, Any]:
+    """As the library `datasets` writes it into the metadata of a parquet file."""
+    if feature["dtype"] in PICTURES:
+        return {"_type": "Image"}
+    value = {"dtype": feature["dtype"], "_type": "Value"}
+    shape = list(feature["shape"])
+    if shape == [1]:
+        return value
+    if len(shape) == 1:
+        return {"feature": value, "length": shape[0], "_type": "List"}
+    return {"shape": shape, "dtype": feature["dtype"], "_type": f"Array{len(shape)}D"}
+
+
+def write_tasks(root: Path, tasks: Sequence[str]) -> None:
+    """meta/tasks.parquet, as LeRobot writes it: an index with pandas' metadata."""
+    import pandas as pd
+
+    index = pd.Index(list(tasks), name="task", dtype="object")
+    frame = pd.DataFrame({"task_index": pd.Series(range(len(tasks)), index, "int64")})
+    frame.to_parquet(root / "meta" / "tasks.parquet")
+
+
+def write_json(file: Path, content: Mapping[str, Any], *, sort_keys: bool = False) -> None:
+    """As LeRobot writes it, but strict: NaN is an error."""
+    text = json.dumps(content, indent=4, ensure_ascii=False, allow_nan=False, sort_keys=sort_keys)
+    file.write_text(text + "\n", encoding="utf-8")
+
+
+def info(
+    like: Mapping[str, Any],
+    features: Mapping[str, Feature],
+    *,
+    frames: int,
+    episodes: int,
+    tasks: int,
+) -> dict[str, Any]:
+    """meta/info.json of a dataset of `features`, else as another's, `like`."""
+    listed = {name: {**of, "shape": list(of["shape"])} for name, of in features.items()}
+    of_lerobot = {name: {**of, "shape": list(of["shape"])} for name, of in LEROBOT_COLUMNS.items()}
+    videos = any(of["dtype"] == PICTURES[1] for of in features.values())
+    return {
+        **like,
+        "features": {**listed, **of_lerobot},
+        "total_frames": frames,
+        "total_episodes": episodes,
+        "total_tasks": tasks,
+        "chunks_size": CHUNK,
+        "splits": {"train": f"0:{episodes}"},
+        "data_path": _template(DATA_FILE),
+        "video_path": _template(VIDEO_FILE) if videos else None,
+    }
+
+
+def _template(file: str) -> str:
+    """With LeRobot's names of what is filled in."""
+    named = {"{chunk:": "{chunk_index:", "{number:": "{file_index:", "{camera}": "{video_key}"}
+    for ours, theirs in named.items():
+        file = file.replace(ours, theirs)
+    return file
+
+
+def episode_column(name: str, values: Sequence[Any]) -> pa.Array:
+    """A column of meta/episodes. One type for all: LeRobot keeps the minimum of a flag as a flag
+    where each episode is a single row, and cannot merge that with numbers.
+    """
+    if name == "tasks":
+        return pa.array(values, pa.list_(pa.string()))
+    if name.startswith("stats/"):
+        kind = pa.int64() if name.endswith("/count") else pa.float64()
+        nested = values and values[0] and isinstance(values[0][0], list)
+        for _ in range(3 if nested else 1):
+            kind = pa.list_(kind)
+        return pa.array(values, kind)
+    return pa.array(values, pa.float64() if name.endswith("_timestamp") else pa.int64())
+
+
+def write_table(file: Path, table: pa.Table) -> None:
+    """One parquet file, compressed as LeRobot's are."""
+    file.parent.mkdir(parents=True, exist_ok=True)
+    pq.write_table(table, file, compression="snappy")

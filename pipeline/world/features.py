@@ -1,0 +1,56 @@
+"""What the driving task adds to the core columns of a dataset, and how often a frame is recorded."""
+
+from pipeline.data.schema import Feature, core_features
+
+CONTROL_HZ = 30
+"""Control steps per second of the world. A frame stands for k of them: a dataset's fps is 30 / k."""
+
+ROBOT_TYPE = "safedagger_car"
+CAMERA = "observation.images.front"
+IMAGE_SHAPE = (72, 160, 3)
+ACTIONS = ("steering", "brake")
+"""Steering [-1, 1], 1 being full lock to the left, and brake {0, 1}."""
+AFFORDANCES = (
+    "lane_left",
+    "lane_right",
+    "car_left",
+    "car_ahead",
+    "car_right",
+    "distance_left",
+    "distance_ahead",
+    "distance_right",
+    "lane_position",
+    "lane_angle",
+)
+"""The ten hidden variables of the paper's Appendix A, in its order."""
+VEHICLE_STATE = ("x", "y", "heading", "speed")
+"""Where our car is in the world [m, m, rad] and how fast [m/s]: to look at, no policy sees it."""
+
+
+def _vector(names: tuple[str, ...]) -> Feature:
+    return {"dtype": "float32", "shape": (len(names),), "names": list(names)}
+
+
+FEATURES: dict[str, Feature] = {
+    CAMERA: {"dtype": "image", "shape": IMAGE_SHAPE, "names": ["height", "width", "channel"]},
+    **core_features(_vector(ACTIONS)),
+    "affordances": _vector(AFFORDANCES),
+    "vehicle_state": _vector(VEHICLE_STATE),
+}
+"""All columns of the car's datasets, as LeRobot describes them."""
+
+DRIVEN = {name: FEATURES[name] for name in (CAMERA, "action")}
+"""What a primary of the car sees and does."""
+IMITATED = {**DRIVEN, "affordances": FEATURES["affordances"]}
+"""What its training needs."""
+
+
+def check_record_every(record_every: int) -> int:
+    """Return the fps of a dataset in which a frame stands for `record_every` control steps.
+
+    Raises:
+        ValueError: `record_every` does not divide `CONTROL_HZ`; the fps would not be whole.
+    """
+    if record_every < 1 or CONTROL_HZ % record_every:
+        raise ValueError(f"record_every is {record_every}, expected a divisor of {CONTROL_HZ}")
+    return CONTROL_HZ // record_every

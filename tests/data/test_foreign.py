@@ -1,0 +1,144 @@
+"""A dataset that somebody else has written: as `lerobot-rollout --strategy.type=dagger` would."""
+
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from pipeline.data.dataset import Dataset
+from pipeline.data.images import read_episodes, read_images
+from pipeline.data.ledger import Ledger, count
+from pipeline.data.merging import merge
+from pipeline.data.selecting import sample, select
+from tests.data.conftest import tree
+
+CAMERAS = ("observation.images.wrist", "observation.images.top")
+JOINTS = [f"joint_{number}.pos" for number in range(7)]
+LENGTHS = (6, 4)
+DROVE = [False, True, True, False, False, True, True, False, False, False]
+
+
+def foreign(path: Path, *, videos: bool) -> Dataset:
+    """Two cameras, seven joints, their state, a person who takes over; through LeRobot's API."""
+    from lerobot.datasets import LeRobotDataset
+
+    picture = {"dtype": "video" if videos else "image", "names": ["height", "width", "channels"]}
+    vector = {"dtype": "float32", "shape": (7,), "names": JOINTS}
+    features = {
+        "action": vector,
+        "observation.state": vector,
+        CAMERAS[0]: picture | {"shape": (48, 64, 3)},
+        CAMERAS[1]: picture | {"shape": (64, 96, 3)},
+        "intervention": {"dtype": "bool", "shape": (1,), "names": None},
+    }
+    dataset = LeRobotDataset.create(
+        "local/rollout_arm",
+        fps=20,
+        features=features,
+        root=path,
+        robot_type="arm",
+        use_videos=videos,
+        video_backend="pyav",
+    )
+    rng = np.random.default_rng(0)
+    row = 0
+    for length in LENGTHS:
+        for _ in range(length):
+            dataset.add_frame(
+                {
+                    "action": rng.random(7, np.float32),
+                    "observation.state": rng.random(7, np.float32),
+                    **{c: np.full(features[c]["shape"], 20 * row, np.uint8) for c in CAMERAS},
+                    "intervention": np.array([DROVE[row]]),
+                    "task": "stack the blocks",
+                }
+            )
+            row += 1
+        dataset.save_episode()
+    dataset.finalize()
+    return Dataset.open(path)
+
+
+@pytest.fixture(scope="module", params=[False, True], ids=["images", "videos"])
+def arm(tmp_path_factory: pytest.TempPathFactory, request: pytest.FixtureRequest) -> Dataset:
+    return foreign(tmp_path_factory.mktemp("foreign") / "rollout_arm", videos=request.param)
+
+
+def test_it_opens(arm: Dataset) -> None:
+    assert (len(arm), arm.fps, arm.info["robot_type"]) == (10, 20, "arm")
+    assert sorted(arm.cameras) == sorted(CAMERAS)
+    assert arm.tasks == ["stack the blocks"] * 2
+    assert arm.column("queried").tolist() == DROVE
+
+
+def brightness(dataset: Dataset, camera: str) -> np.ndarray:
+    """Of each picture: videos lose a little."""
+    return read_images(dataset, camera).mean(axis=(1, 2, 3))
+
+
+def test_its_pictures_are_read(arm: Dataset) -> None:
+    for camera in CAMERAS:
+        np.testing.assert_allclose(brightness(arm, camera), np.arange(10) * 20, atol=6)
+    (_, episode) = next(read_episodes(arm, [1]))
+    assert len(episode) == 4
+    assert episode.columns[CAMERAS[1]].shape == (4, 64, 96, 3)
+
+
+def test_what_the_person_drove_is_selected_merged_and_counted(
+    arm: Dataset, tmp_path: Path, load: Callable
+) -> None:
+    before = tree(arm.path)
+    assert select(arm, tmp_path / "new").frames == sum(DROVE)
+    new = Dataset.open(tmp_path / "new")
+    assert new.lengths.tolist() == [2, 1, 1]
+    kept = np.flatnonzero(DROVE)
+    for name in ("action", "observation.state"):
+        expected = arm.columns([name])[name][kept]
+        np.testing.assert_array_equal(new.columns([name])[name], expected)
+    for camera in CAMERAS:
+        np.testing.assert_allclose(brightness(new, camera), kept * 20, atol=6)
+    # LeRobot's loader finds the same pictures
+    loaded = load(new.path)
+    for index, row in enumerate(kept):
+        shown = float(loaded[index][CAMERAS[0]].mean()) * 255
+        assert shown == pytest.approx(row * 20, abs=6)
+
+    sample(arm, tmp_path / "some", 3, seed=0)
+    some = Dataset.open(tmp_path / "some")
+    shared = set(zip(*_places(new), strict=True)) & set(zip(*_places(some), strict=True))
+    if shared:
+        with pytest.raises(ValueError, match=f"some: {len(shared)} of its frames are in"):
+            merge([new, some], tmp_path / "both")
+    another = foreign(tmp_path / "another", videos=arm.info["video_path"] is not None)
+    other = _other(another, tmp_path)
+    merge([new, other], tmp_path / "both")
+    both = Dataset.open(tmp_path / "both")
+    assert len(both) == len(new) + len(other)
+    for camera in CAMERAS:
+        expected = np.concatenate([brightness(new, camera), brightness(other, camera)])
+        np.testing.assert_allclose(brightness(both, camera), expected, atol=6)
+    assert float(load(both.path)[len(new)][CAMERAS[1]].mean()) * 255 == pytest.approx(60, abs=6)
+    assert count(arm, both) == Ledger(10, 4, 4, len(both), 0.4)
+    assert tree(arm.path) == before
+
+
+def _places(dataset: Dataset) -> list[list[int]]:
+    return [dataset.column(f"source.{name}").tolist() for name in ("episode", "frame")]
+
+
+def _other(another: Dataset, tmp_path: Path) -> Dataset:
+    """Frames of a second dataset, which its arguments and so its id tell from the first."""
+    from pipeline.data.assembling import assemble
+    from pipeline.data.lineage import Recipe
+    from pipeline.data.pieces import Piece
+
+    pieces = [Piece(another, 0, 3, 5)]
+    features = {n: of for n, of in another.features.items() if n != "intervention"}
+    assemble(tmp_path / "cut", pieces, Recipe("other", {}), like=another, features=features)
+    return Dataset.open(tmp_path / "cut")
+
+
+def test_a_car_and_an_arm_do_not_merge(arm: Dataset, d_0: Dataset, tmp_path: Path) -> None:
+    with pytest.raises(ValueError, match=f"^{arm.path}: fps is 20, expected 10 as in {d_0.path}$"):
+        merge([d_0, arm], tmp_path / "D_1")
