@@ -5,12 +5,15 @@ import shutil
 import subprocess
 import sys
 import sysconfig
+import tomllib
 import zipfile
 from pathlib import Path
 
 import pytest
+import yaml
 
 ROOT = Path(__file__).parent.parent
+PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
 COLLECT = (
     "collect D_0 --purpose D_0 --iteration 0 --tracks alder --traffic 2 --episodes 1 --seconds 1"
     " --offset-spread 0.3 --angle-spread 0.03 --record-every 3 --seed 1 --workers 1"
@@ -73,3 +76,25 @@ def test_the_wheel_runs_without_a_checkout(wheel: Path, tmp_path: Path) -> None:
     assert "train-primary" in python(wheel, tmp_path, "-m", "stages", "--help")
     python(wheel, tmp_path, "-m", "stages", *COLLECT.split())
     assert (tmp_path / "D_0" / "meta" / "info.json").is_file()
+
+
+def test_the_license_is_in_the_wheel(wheel: Path) -> None:
+    (metadata,) = wheel.glob("*.dist-info")
+    assert (metadata / "licenses" / "LICENSE").read_bytes() == (ROOT / "LICENSE").read_bytes()
+    assert f"License-Expression: {PROJECT['license']}\n" in (metadata / "METADATA").read_text()
+    assert PROJECT["license"] == "Apache-2.0"
+    assert (
+        "Apache License\n                           Version 2.0" in (ROOT / "LICENSE").read_text()
+    )
+
+
+def test_the_citation_agrees_with_the_project() -> None:
+    citation = yaml.safe_load((ROOT / "CITATION.cff").read_text())
+    assert (citation["cff-version"], citation["type"]) == ("1.2.0", "software")
+    for ours, theirs in (("title", "name"), ("version", "version"), ("license", "license")):
+        assert citation[ours] == PROJECT[theirs]
+    assert citation["message"] and citation["authors"] == [{"name": "The safedagger authors"}]
+    (paper,) = citation["references"]
+    assert [author["family-names"] for author in paper["authors"]] == ["Zhang", "Cho"]
+    assert paper["year"] == 2016
+    assert paper["identifiers"] == [{"type": "other", "value": "arXiv:1605.06450"}]
