@@ -16,8 +16,7 @@ repro: .venv/.ready
 SEED = 0
 SCALE = experiment
 experiment: .venv/.ready
-	sed 's/^seed: .*/seed: $(SEED)/' scales/$(SCALE).yaml > params.yaml
-	dvc repro
+	@scales/run '$(SCALE)' '$(SEED)'
 
 test: .venv/.ready
 	pytest

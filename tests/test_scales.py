@@ -59,7 +59,7 @@ def test_iterations_follow_each_other(name: str) -> None:
 
 
 def test_the_comparison_is_the_default_run_with_more_strategies_beside_it() -> None:
-    """So what one has reproduced, the other finds done."""
+    """So both make the same SafeDAgger."""
     default, comparison = read("params.yaml"), read("scales/experiment.yaml")
     for group in default:
         if group in LOOPS:
