@@ -1,5 +1,6 @@
 """The `safedagger` command: every stage of Algorithm 1 under one roof."""
 
+import os
 import sys
 
 import typer
@@ -57,20 +58,34 @@ for stage in (
     app.add_typer(stage.app)
 
 
+ENVIRONMENT = {
+    # Commands work on this disk alone: else LeRobot answers a mistyped path by asking the network.
+    "HF_HUB_OFFLINE": "1",
+    # PyTorch's threads sleep where they wait for one another: where something else runs on the
+    # machine, those that spin take the processor from those they wait for.
+    "OMP_WAIT_POLICY": "PASSIVE",
+}
+"""What the commands set for themselves, unless the user has. Libraries read it when first imported."""
+
+
 def main() -> None:
-    """Run a stage. Bad input is one line on stderr and exit code 2."""
+    """Run a stage. Bad input is one line on stderr and exit code 2, a fault of the machine code 1."""
+    for name, value in ENVIRONMENT.items():
+        os.environ.setdefault(name, value)
     try:
         code = app(prog_name="safedagger", standalone_mode=False)
     except TyperException as error:
-        _refuse(error.format_message())
+        _end(error.format_message(), 2)
     except (ValueError, FileNotFoundError, FileExistsError, NotADirectoryError) as error:
-        _refuse(str(error))
+        _end(str(error), 2)
+    except (OSError, MemoryError) as error:
+        _end(str(error) or "there is not enough memory", 1)
     sys.exit(code or 0)
 
 
-def _refuse(problem: str) -> None:
+def _end(problem: str, code: int) -> None:
     print(f"safedagger: {' '.join(problem.split())}", file=sys.stderr)
-    sys.exit(2)
+    sys.exit(code)
 
 
 if __name__ == "__main__":

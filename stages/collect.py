@@ -50,12 +50,12 @@ def collect(
     """
     from pipeline.data.lineage import Recipe
     from pipeline.data.writing import write_dataset
-    from pipeline.output import refuse_existing
+    from pipeline.output import check_place
     from pipeline.policies.recording import SEED_STREAMS, Drive, record_all
     from pipeline.policies.strategies import Rule, Strategy
     from pipeline.world.features import ROBOT_TYPE, check_record_every
 
-    refuse_existing(output)
+    check_place(output)
     names = options.names(tracks)
     plan = Drive(
         track=names[0],

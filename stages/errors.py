@@ -28,15 +28,14 @@ def errors(
     """Show how a primary's errors lie around tau (Figure 2)."""
     from pipeline.data.dataset import Dataset
     from pipeline.evaluation.errors import error_histogram, error_summary
-    from pipeline.evaluation.writing import write_file, write_metrics
+    from pipeline.evaluation.writing import write_metrics
     from pipeline.inspection.canvas import png
     from pipeline.learning.labels import LabelRule, threshold_for_share
     from pipeline.learning.safety import judge
-    from pipeline.output import refuse_existing
+    from pipeline.output import check_place, write_file
     from pipeline.policies.loading import load_primary, read_brake_cut
 
-    for path in (figure, metrics):
-        refuse_existing(path)
+    check_place(figure, metrics)
     network, brake_cut = load_primary(primary), read_brake_cut(primary)
     rule = LabelRule(include_brake=False, horizon=0.0, mode="last")
     deviations = {

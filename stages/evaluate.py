@@ -37,14 +37,13 @@ def evaluate(
     from pipeline.evaluation.outcomes import write_outcomes
     from pipeline.evaluation.summary import summarise
     from pipeline.evaluation.writing import write_metrics
-    from pipeline.output import refuse_existing
+    from pipeline.output import check_place
     from pipeline.policies.inference import Driver
     from pipeline.policies.loading import driving_rule
     from pipeline.policies.recording import in_order
     from pipeline.policies.strategies import parse_driving
 
-    for path in (drives, metrics):
-        refuse_existing(path)
+    check_place(drives, metrics)
     driver = Driver.load(primary, safety)
     planned = list(
         plans(

@@ -28,15 +28,14 @@ def film(
 
     Ten pictures a second.
     """
-    from pipeline.evaluation.writing import write_file
     from pipeline.inspection.film import gif, shoot
-    from pipeline.output import refuse_existing
+    from pipeline.output import check_place, write_file
     from pipeline.policies.inference import Driver
     from pipeline.policies.loading import driving_rule
     from pipeline.policies.recording import SEED_STREAMS, Drive
     from pipeline.policies.strategies import parse_driving
 
-    refuse_existing(output)
+    check_place(output)
     if output.suffix != ".gif":
         raise ValueError(f"{output}: expected a name that ends in .gif")
     driver = Driver.load(primary, safety)

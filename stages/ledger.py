@@ -25,9 +25,9 @@ def ledger(
     from pipeline.data.dataset import Dataset
     from pipeline.data.ledger import count
     from pipeline.evaluation.writing import write_metrics
-    from pipeline.output import refuse_existing
+    from pipeline.output import check_place
 
-    refuse_existing(metrics)
+    check_place(metrics)
     counted = count(Dataset.open(raw), Dataset.open(aggregate))
     write_metrics(metrics, counted.to_dict())
     typer.echo(f"{metrics}: {options.figures(counted.to_dict())}")

@@ -26,10 +26,9 @@ def report(
     figures: Annotated[Path, typer.Option(help="Folder for the report's figures, PNG.")],
 ) -> None:
     """Write the report: verdicts, figures, every number."""
-    from pipeline.evaluation.writing import write_file
     from pipeline.inspection.canvas import png
     from pipeline.inspection.tracks import track_sheet
-    from pipeline.output import refuse_existing
+    from pipeline.output import check_place, write_file
     from pipeline.report.figures import TITLES, over_the_iterations, result
     from pipeline.report.material import read_material
     from pipeline.report.rendering import Pictures, render_report
@@ -37,8 +36,7 @@ def report(
 
     sheets = {"training": ("Training tracks", TRAINING), "test": ("Test tracks", TEST)}
     paths = {name: figures / f"{name}.png" for name in ("result", *TITLES, *sheets)}
-    for path in (output, *paths.values()):
-        refuse_existing(path)
+    check_place(output, *paths.values())
     for folder in (errors, frames):
         if not folder.is_dir():
             raise FileNotFoundError(f"{folder}: no such folder, expected seed_<n>.png in it")

@@ -46,15 +46,14 @@ def rollout(
     from pipeline.evaluation.writing import write_metrics
     from pipeline.learning.labels import LabelRule
     from pipeline.learning.quality import detection_quality
-    from pipeline.output import refuse_existing
+    from pipeline.output import check_place
     from pipeline.policies.inference import Driver
     from pipeline.policies.loading import driving_rule, policy_lineage, read_labels
     from pipeline.policies.recording import SEED_STREAMS, Drive, record_all, until_queries
     from pipeline.policies.strategies import Strategy
     from pipeline.world.features import ROBOT_TYPE, check_record_every
 
-    refuse_existing(output)
-    refuse_existing(metrics)
+    check_place(output, metrics)
     names, fps = options.names(tracks), check_record_every(record_every)
     rule = driving_rule(safety, Strategy.SAFE, cut)
     plan = Drive(

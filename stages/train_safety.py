@@ -77,7 +77,7 @@ def train_safety(
     from pipeline.learning.settings import SafetySettings
     from pipeline.learning.training import safe_probabilities
     from pipeline.learning.training import train_safety as train
-    from pipeline.output import new_directory, refuse_existing
+    from pipeline.output import check_place, new_directory
     from pipeline.policies.loading import (
         load_primary,
         policy_lineage,
@@ -86,7 +86,7 @@ def train_safety(
     )
     from pipeline.policies.safety import SafetyConfig, SafetyPolicy
 
-    refuse_existing(metrics)
+    check_place(metrics)
     settings = SafetySettings(
         optimizer=optimizer.value,
         learning_rate=learning_rate,

@@ -2,12 +2,16 @@
 
 import ast
 import importlib.util
+import os
 import subprocess
 import sys
 from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
+
+from stages import __main__ as cli
+from stages.__main__ import ENVIRONMENT
 
 ROOT = Path(__file__).parent.parent
 HEAVY = ("torch", "lerobot", "pybullet", "gymnasium", "datasets", "pandas", "scipy", "cv2")
@@ -122,3 +126,36 @@ def test_the_library_datasets_is_not_shadowed() -> None:
 def test_every_folder_of_code_is_a_package() -> None:
     for path in MODULES:
         assert (path.parent / "__init__.py").is_file()
+
+
+def test_no_import_changes_the_environment() -> None:
+    """A user's script must be able to push to the Hub: commands set what they need for themselves."""
+    modules = [
+        ".".join(path.relative_to(ROOT).with_suffix("").parts).removesuffix(".__init__")
+        for path in MODULES
+    ]
+    code = (
+        "import importlib, os, sys; before = dict(os.environ);"
+        "[importlib.import_module(name) for name in sys.argv[1:]];"
+        "print({k for k in os.environ.keys() | before.keys() if os.environ.get(k) != before.get(k)})"
+    )
+    clean = {k: v for k, v in os.environ.items() if k not in ENVIRONMENT}
+    run = subprocess.run(
+        [sys.executable, "-c", code, *modules],
+        cwd=ROOT,
+        env=clean,
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    changed = ast.literal_eval(run.stdout.replace("set()", "{}"))
+    assert not set(changed) & ({*ENVIRONMENT} | {"HF_DATASETS_OFFLINE", "OMP_NUM_THREADS"})
+
+
+def test_commands_work_offline(monkeypatch: pytest.MonkeyPatch) -> None:
+    for name in ENVIRONMENT:
+        monkeypatch.delenv(name, raising=False)
+    monkeypatch.setattr(sys, "argv", ["safedagger", "--help"])
+    with pytest.raises(SystemExit):
+        cli.main()
+    assert {name: os.environ[name] for name in ENVIRONMENT} == ENVIRONMENT

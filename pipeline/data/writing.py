@@ -57,7 +57,7 @@ def write_dataset(
     """
     with new_directory(path) as root:
         recorded = root.parent / "recorded"
-        with _quiet_datasets(root.parent / "cache"):
+        with _quiet_datasets(root.parent / "cache"), _missed(recorded):
             endings = _record(recorded, episodes, fps, robot)
         dataset = Dataset.open(recorded)
         assemble(root, whole(dataset), recipe, like=dataset, features=dataset.features)
@@ -123,6 +123,19 @@ def _write_endings(file: Path, endings: list[Mapping[str, Any]]) -> None:
             table = csv.DictWriter(csv_file, list(endings[0]), lineterminator="\n")
             table.writeheader()
             table.writerows(endings)
+
+
+@contextlib.contextmanager
+def _missed(root: Path) -> Iterator[None]:
+    """Say what it means that a picture is missing: LeRobot's threads log only what they could not
+    write.
+    """
+    try:
+        yield
+    except FileNotFoundError as error:
+        if error.filename and Path(error.filename).is_relative_to(root):
+            raise OSError(f"{error.filename} could not be written, is the disk full?") from None
+        raise
 
 
 @contextlib.contextmanager

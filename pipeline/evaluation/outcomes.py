@@ -6,7 +6,7 @@ from dataclasses import asdict, dataclass, fields
 from pathlib import Path
 from typing import Any
 
-from pipeline.evaluation.writing import write_file
+from pipeline.output import write_file
 from pipeline.policies.strategies import Strategy
 
 _STRATEGIES = ", ".join(Strategy)

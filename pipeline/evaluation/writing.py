@@ -1,23 +1,13 @@
-"""Writing small files: complete or not at all."""
+"""Metrics as files."""
 
 import json
 import math
-import os
 from collections.abc import Mapping
 from numbers import Integral, Real
 from pathlib import Path
 from typing import Any
 
-
-def write_file(path: Path, content: bytes) -> None:
-    """Write `content` aside and rename it to `path`; makes the folder where it is missing."""
-    path.parent.mkdir(parents=True, exist_ok=True)
-    aside = path.with_name(f".{path.name}.{os.getpid()}")
-    try:
-        aside.write_bytes(content)
-        aside.replace(path)
-    finally:
-        aside.unlink(missing_ok=True)
+from pipeline.output import write_file
 
 
 def write_metrics(path: Path, metrics: Mapping[str, Any]) -> None:

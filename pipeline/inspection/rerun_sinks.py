@@ -15,7 +15,7 @@ import rerun as rr
 import rerun.blueprint as rrb
 
 from pipeline.inspection.rerun_log import Connect
-from pipeline.output import new_directory, refuse_existing
+from pipeline.output import check_place, new_directory
 
 LOOPBACK = "127.0.0.1"  # Rerun's own default is to be open to the whole network
 STARTING = 30.0  # [s] that a viewer may take to start
@@ -64,7 +64,7 @@ def into_file(path: Path, blueprint: rrb.Blueprint) -> Iterator[Sink]:
         # merge holds all in memory; `rrd route` would not, but panics on some files (0.33.1)
         merge: list[str | Path] = [_RERUN, "rrd", "merge", "--output", whole, *parts]
         subprocess.run(merge, check=True, capture_output=True, env=_ENVIRONMENT)
-        refuse_existing(path)
+        check_place(path)
 
 
 @contextmanager
