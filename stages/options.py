@@ -104,11 +104,12 @@ def seen_from(report: Path, picture: Path) -> str:
 
 @contextmanager
 def progress(what: str, total: float) -> Iterator[Callable[[float], None]]:
-    """A bar with the time left, on stderr; the block tells what it is given how far it is."""
+    """A bar with the time left, on a terminal; the block tells what it is given how far it is."""
     from rich.console import Console
     from rich.progress import Progress
 
-    with Progress(console=Console(stderr=True), transient=True) as bars:
+    console = Console(stderr=True)
+    with Progress(console=console, transient=True, disable=not console.is_terminal) as bars:
         bar = bars.add_task(what, total=total)
         yield lambda done: bars.update(bar, completed=done)
 

@@ -90,10 +90,12 @@ def _record(
             raise ValueError("there are no episodes, expected at least one frame")
         dataset.finalize()
     except BaseException:
-        # else the garbage collector does it, and brings back the directory that was removed
         if dataset is not None:
             with contextlib.suppress(Exception):
                 dataset.finalize()
+            # else the garbage collector tries again, and brings back the directory that was removed
+            for part in (dataset.writer, dataset.meta):
+                part._finalized = True
         raise
     return endings
 

@@ -267,3 +267,75 @@ def test_watch_names_the_policy_that_is_missing(
     code, error = run(capsys, monkeypatch, "watch", *policies, *options, "--strategy", "safe")
     assert code == 2
     assert ("mine alone" if policies else "--strategy safe needs a primary") in error
+
+
+LIMITED = """
+import resource, sys
+resource.setrlimit(resource.RLIMIT_FSIZE, (60_000, 60_000))
+from stages.__main__ import main
+main()
+"""
+
+
+def test_a_fault_of_the_machine_is_one_line_and_leaves_nothing(tmp_path: Path) -> None:
+    """As a full disk, which needs root to make: files that may not grow any further."""
+    done = subprocess.run(
+        [sys.executable, "-c", LIMITED, "collect", str(tmp_path / "out"), *flat(COLLECT)],
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.returncode == 1
+    assert re.fullmatch(r"safedagger: .*File too large\n", done.stderr)
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize("option", ["--drives", "--metrics"])
+@pytest.mark.parametrize("place", ["/proc/x.csv", "n" * 300])
+def test_a_place_that_cannot_be_written_is_found_out_before_the_driving(
+    option: str,
+    place: str,
+    tmp_path: Path,
+    capsys: pytest.CaptureFixture[str],
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """The policies are missing, too: nobody looks for them yet."""
+    monkeypatch.chdir(tmp_path)
+    drives = {k: v for k, v in DRIVES.items() if "spread" not in k}
+    places = {"--drives": "drives.csv", "--metrics": "metrics.json"} | {option: place}
+    typed = drives | places | {"--laps": "1", "--starts": "1", "--strategies": "naive"}
+    code, error = run(capsys, monkeypatch, "evaluate", "missing", "missing", *flat(typed))
+    assert code == 2
+    assert error.startswith(f"safedagger: {place}: ")
+    assert len(error.splitlines()) == 1
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_the_cut_of_a_rollout_is_its_safety_policys_own(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """It is said once, where the policy is trained; a rollout may be told another, and keeps it."""
+    from pipeline.data.dataset import Dataset
+
+    monkeypatch.chdir(tmp_path)
+    rng = np.random.default_rng(0)
+    for name in ("D_0", "D_safe"):
+        episodes = [random_episode(rng, 3, episode=n, reference_only=True) for n in (0, 1)]
+        write(Path(name), episodes, name)
+    train = ("train-primary", "D_0", "primary", *flat(PRIMARY), "--no-mirror")
+    assert run(capsys, monkeypatch, *train)[0] == 0
+    safety = (*flat(SAFETY | {"--cut": "1"}), "--no-include-brake", "--metrics", "m")
+    train = ("train-safety", "primary", "D_safe", "D_0", "safety", *safety)
+    assert run(capsys, monkeypatch, *train)[0] == 0
+    budget = {"--queries": "99", "--frames": "10", "--iteration": "1"}
+    for name, cut, drove in (("own", [], 10), ("told", ["--cut", "0"], 0)):
+        typed = flat(DRIVES | budget | {"--metrics": f"{name}.json"})
+        rollout = ("rollout", "primary", "safety", name, *typed, *cut)
+        assert run(capsys, monkeypatch, *rollout)[0] == 0
+        driven = Dataset.open(Path(name))
+        assert driven.lineage.own.arguments["cut"] == (1 if name == "own" else 0)
+        assert driven.lineage.own.arguments["labels"]["tau"] == 0.0025
+        assert [parent.own.purpose for parent in driven.lineage.parents] == ["primary", "safety"]
+        assert int(driven.column("intervention").sum()) == drove
+        assert run(capsys, monkeypatch, "select", name, f"new_{name}")[0] == 0
+        assert len(Dataset.open(Path(f"new_{name}"))) == drove
