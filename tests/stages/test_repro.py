@@ -79,11 +79,15 @@ LOOPS = ("rollouts", "dagger", "supervised", "steps", "from-scratch", "safeties"
 @pytest.fixture(scope="module")
 def house(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A checkout's pipeline with tiny parameters, reproduced."""
-    root = tmp_path_factory.mktemp("house")
+    return reproduced(tmp_path_factory.mktemp("house"), TINY)
+
+
+def reproduced(root: Path, tiny: dict) -> Path:
+    """The project's own pipeline, with other parameters, from nothing to the report."""
     for name in ("pipeline", "stages", "dvc.yaml"):
         (root / name).symlink_to(HOUSE / name)
     params = yaml.safe_load((HOUSE / "params.yaml").read_text())
-    for group, values in TINY.items():
+    for group, values in tiny.items():
         keep = group not in LOOPS
         params[group] = params[group] | values if keep else values
     (root / "params.yaml").write_text(yaml.safe_dump(params))
@@ -180,7 +184,7 @@ def test_every_dataset_and_policy_has_a_card_that_says_what_made_it(house: Path)
         cards = {path.stem: path.read_text() for path in (house / "cards" / kind).glob("*.md")}
         assert set(cards) == made
         name = "D_safedagger_2" if kind == "datasets" else "primary_safedagger_2"
-        assert f"safedagger {verb} " in cards[name]
+        assert f"safedagger {verb}" in cards[name]
         assert not [card for card in cards.values() if str(house) in card or "Not known" in card]
 
 
@@ -216,3 +220,38 @@ def test_a_change_in_iteration_2_runs_only_what_follows(house: Path) -> None:
     stages = {line.split("'")[1] for line in plan.splitlines() if line.startswith("Running stage")}
     assert "train-primary@safedagger_2" in stages
     assert {name.split("@")[-1] for name in stages} <= {"safedagger_2", "cards", "report"}
+
+
+ONLY = ("0", "safedagger_1")
+GOOD = TINY | {
+    **{"dagger": {}, "supervised": {}, "from-scratch": {}},
+    **{
+        group: {k: v for k, v in TINY[group].items() if k in ONLY}
+        for group in ("steps", "safeties")
+    },
+    "rollouts": {"safedagger_1": TINY["rollouts"]["safedagger_1"]},
+    "ledgers": {k: v for k, v in TINY["ledgers"].items() if k in (*ONLY, "safe")},
+    "train-safety": TINY["train-safety"] | {"cut": 0},
+}
+
+
+def test_a_rollout_in_which_nothing_was_unsafe_does_not_stop_the_loop(tmp_path: Path) -> None:
+    """With a cut of 0 nothing is: D_1 is D_0, no query was paid, and all that follows runs."""
+    from pipeline.data.dataset import Dataset
+
+    house = reproduced(tmp_path, GOOD)
+    new, before, after = (
+        Dataset.open(house / "datasets" / name)
+        for name in ("new_safedagger_1", "D_0", "D_safedagger_1")
+    )
+    assert len(new) == 0
+    assert [file.read_bytes() for file in before.data_files] == [
+        file.read_bytes() for file in after.data_files
+    ]
+    ledger = metric(house, "ledger_D_safedagger_1")
+    assert ledger["queries"] == ledger["frames_selected"] == ledger["takeover"] == 0
+    assert (ledger["frames_driven"], ledger["frames_trained"]) == (60, len(before))
+    assert (house / "models" / "safety_safedagger_1").is_dir()
+    card = (house / "cards" / "datasets" / "new_safedagger_1.md").read_text()
+    assert "It has no frames" in card
+    assert (house / "cards" / "report.md").is_file()
