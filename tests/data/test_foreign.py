@@ -1,4 +1,4 @@
-"""A dataset that somebody else has written: as `lerobot-rollout --strategy.type=dagger` would."""
+"""A dataset that somebody else has written is opened, selected from, merged and counted."""
 
 from collections.abc import Callable
 from pathlib import Path
@@ -12,52 +12,7 @@ from pipeline.data.ledger import Ledger, count
 from pipeline.data.merging import merge
 from pipeline.data.selecting import sample, select
 from tests.data.conftest import tree
-
-CAMERAS = ("observation.images.wrist", "observation.images.top")
-JOINTS = [f"joint_{number}.pos" for number in range(7)]
-LENGTHS = (6, 4)
-DROVE = [False, True, True, False, False, True, True, False, False, False]
-
-
-def foreign(path: Path, *, videos: bool) -> Dataset:
-    """Two cameras, seven joints, their state, a person who takes over; through LeRobot's API."""
-    from lerobot.datasets import LeRobotDataset
-
-    picture = {"dtype": "video" if videos else "image", "names": ["height", "width", "channels"]}
-    vector = {"dtype": "float32", "shape": (7,), "names": JOINTS}
-    features = {
-        "action": vector,
-        "observation.state": vector,
-        CAMERAS[0]: picture | {"shape": (48, 64, 3)},
-        CAMERAS[1]: picture | {"shape": (64, 96, 3)},
-        "intervention": {"dtype": "bool", "shape": (1,), "names": None},
-    }
-    dataset = LeRobotDataset.create(
-        "local/rollout_arm",
-        fps=20,
-        features=features,
-        root=path,
-        robot_type="arm",
-        use_videos=videos,
-        video_backend="pyav",
-    )
-    rng = np.random.default_rng(0)
-    row = 0
-    for length in LENGTHS:
-        for _ in range(length):
-            dataset.add_frame(
-                {
-                    "action": rng.random(7, np.float32),
-                    "observation.state": rng.random(7, np.float32),
-                    **{c: np.full(features[c]["shape"], 20 * row, np.uint8) for c in CAMERAS},
-                    "intervention": np.array([DROVE[row]]),
-                    "task": "stack the blocks",
-                }
-            )
-            row += 1
-        dataset.save_episode()
-    dataset.finalize()
-    return Dataset.open(path)
+from tests.foreign import CAMERAS, DROVE, foreign
 
 
 @pytest.fixture(scope="module", params=[False, True], ids=["images", "videos"])

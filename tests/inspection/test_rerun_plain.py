@@ -1,0 +1,69 @@
+"""A dataset of another robot, by the command that shows it, read back from the file."""
+
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+from rerun.experimental import RrdReader
+
+from pipeline.data.dataset import Dataset
+from pipeline.inspection.rerun_plain import action_names
+from stages import __main__ as cli
+from tests.foreign import CAMERAS, DROVE, JOINTS, LENGTHS, foreign
+from tests.inspection.saved import column, origins, recordings
+
+
+@pytest.mark.parametrize("videos", [False, True], ids=["images", "videos"])
+def test_an_arm_is_shown(videos: bool, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    arm = foreign(tmp_path / "arm", videos=videos)
+    path = tmp_path / "arm.rrd"
+    monkeypatch.setattr(sys, "argv", ["safedagger", "inspect", str(arm.path), "--save", str(path)])
+    with pytest.raises(SystemExit) as exit_:
+        cli.main()
+    assert exit_.value.code == 0
+    entries = recordings(path)
+    assert [entry.recording_id for entry in entries] == ["arm/episode_0000", "arm/episode_0001"]
+    drove = column(path, entries[0], "/who/drove", "state")
+    assert drove == ["reference" if each else "primary" for each in DROVE[: LENGTHS[0]]]
+    asked = column(path, entries[0], "/who/was_asked", "state")
+    assert asked == ["reference" if each else "" for each in DROVE[: LENGTHS[0]]]
+    joint = column(path, entries[1], f"/action/{JOINTS[3]}/action", "scalars")
+    np.testing.assert_array_equal(joint, arm.columns(["action"])["action"][LENGTHS[0] :, 3])
+    for entry, length in zip(entries, LENGTHS, strict=True):
+        rows = {name: 0 for name in CAMERAS}
+        for chunk in RrdReader(path).stream(store=entry).to_chunks():
+            name = chunk.entity_path.removeprefix("/").replace("\\", "")
+            if name in rows and chunk.timeline_names:
+                rows[name] += chunk.num_rows
+        assert rows == dict.fromkeys(CAMERAS, length)
+    shown = {origin.strip("/") for origin in origins(path)}
+    assert {*CAMERAS, "who", *(f"action/{name}" for name in JOINTS)} <= shown
+
+
+def test_what_cannot_be_shown_is_one_line(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    arm = foreign(tmp_path / "arm", videos=False)
+    monkeypatch.chdir(tmp_path)
+    capsys.readouterr()  # what LeRobot said while it wrote
+    for typed, named in (
+        (["inspect", "arm", "--unsafe"], "arm has no takeovers"),
+        (["compare", "arm", "arm"], "arm: column 'observation.images.front' is missing"),
+        (["contact-sheet", "arm", "x.png", "--frames", "1"], "arm: column 'observation.images.fr"),
+    ):
+        monkeypatch.setattr(sys, "argv", ["safedagger", *typed])
+        with pytest.raises(SystemExit) as exit_:
+            cli.main()
+        error = capsys.readouterr().err
+        assert (exit_.value.code, len(error.splitlines())) == (2, 1)
+        assert named in error
+    assert Dataset.open(arm.path).fps == 20
+
+
+@pytest.mark.parametrize(
+    ("names", "expected"),
+    [(["a", "b"], ["a", "b"]), ({"motors": ["a", "b"]}, ["a", "b"]), (None, ["0", "1"])],
+)
+def test_numbers_of_an_action_have_names(names: object, expected: list[str]) -> None:
+    assert list(action_names({"dtype": "float32", "shape": (2,), "names": names})) == expected
