@@ -31,18 +31,18 @@ def compare_policies(
 
     From the same start, among the same cars.
     """
+    from pipeline.driving.features import CONTROL_HZ
+    from pipeline.driving.tracks import make_track
     from pipeline.inspection.footage import Footage
     from pipeline.inspection.live import Tally, watched
     from pipeline.inspection.pairs import Pair
     from pipeline.inspection.rerun_blueprints import pair_blueprint
     from pipeline.inspection.rerun_log import log_pair
     from pipeline.policies.inference import Driver
-    from pipeline.policies.judgement import Judgement
-    from pipeline.policies.loading import driving_rule
-    from pipeline.policies.recording import Drive
-    from pipeline.policies.strategies import Rule, parse_driving
-    from pipeline.world.features import CONTROL_HZ
-    from pipeline.world.tracks import make_track
+    from pipeline.rollout.judgement import Judgement
+    from pipeline.rollout.recording import Drive
+    from pipeline.rollout.rules import driving_rule
+    from pipeline.rollout.strategies import Rule, parse_driving
 
     plan = Drive(
         track=track,

@@ -22,11 +22,11 @@ def contact_sheet(
     """
     from pipeline.data.dataset import Dataset
     from pipeline.data.images import read_some_images
+    from pipeline.driving.features import CAMERA, DRIVEN
     from pipeline.inspection.canvas import png
     from pipeline.inspection.contact_sheet import contact_sheet as draw
     from pipeline.inspection.contact_sheet import extreme_frames
     from pipeline.output import check_place, write_file
-    from pipeline.world.features import CAMERA, DRIVEN
 
     check_place(output)
     rollout = Dataset.open(dataset)

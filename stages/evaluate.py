@@ -39,9 +39,9 @@ def evaluate(
     from pipeline.evaluation.writing import write_metrics
     from pipeline.output import check_place
     from pipeline.policies.inference import Driver
-    from pipeline.policies.loading import driving_rule
-    from pipeline.policies.recording import in_order
-    from pipeline.policies.strategies import parse_driving
+    from pipeline.rollout.recording import in_order
+    from pipeline.rollout.rules import driving_rule
+    from pipeline.rollout.strategies import parse_driving
 
     check_place(drives, metrics)
     driver = Driver.load(primary, safety)

@@ -31,9 +31,9 @@ def film(
     from pipeline.inspection.film import gif, shoot
     from pipeline.output import check_place, write_file
     from pipeline.policies.inference import Driver
-    from pipeline.policies.loading import driving_rule
-    from pipeline.policies.recording import SEED_STREAMS, Drive
-    from pipeline.policies.strategies import parse_driving
+    from pipeline.rollout.recording import SEED_STREAMS, Drive
+    from pipeline.rollout.rules import driving_rule
+    from pipeline.rollout.strategies import parse_driving
 
     check_place(output)
     if output.suffix != ".gif":

@@ -25,11 +25,11 @@ def inspect(
 ) -> None:
     """Show a dataset in Rerun, a recording an episode."""
     from pipeline.data.dataset import Dataset
+    from pipeline.driving.features import ROBOT_TYPE
     from pipeline.inspection.excerpts import around_takeovers, whole_episodes
     from pipeline.inspection.rerun_blueprints import drive_blueprint
     from pipeline.inspection.rerun_log import log_excerpt
     from pipeline.inspection.rerun_plain import log_plain, plain_blueprint
-    from pipeline.world.features import ROBOT_TYPE
 
     opened = Dataset.open(dataset)
     excerpts = around_takeovers(opened, episode) if unsafe else whole_episodes(opened, episode)

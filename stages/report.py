@@ -26,13 +26,13 @@ def report(
     figures: Annotated[Path, typer.Option(help="Folder for the report's figures, PNG.")],
 ) -> None:
     """Write the report: verdicts, figures, every number."""
+    from pipeline.driving.tracks import TEST, TRAINING
     from pipeline.inspection.canvas import png
     from pipeline.inspection.tracks import track_sheet
     from pipeline.output import check_place, write_file
     from pipeline.report.figures import TITLES, over_the_iterations, result
     from pipeline.report.material import read_material
     from pipeline.report.rendering import Pictures, render_report
-    from pipeline.world.tracks import TEST, TRAINING
 
     sheets = {"training": ("Training tracks", TRAINING), "test": ("Test tracks", TEST)}
     paths = {name: figures / f"{name}.png" for name in ("result", *TITLES, *sheets)}

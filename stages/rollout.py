@@ -43,15 +43,16 @@ def rollout(
 
     from pipeline.data.lineage import Recipe
     from pipeline.data.writing import write_dataset
+    from pipeline.driving.features import ROBOT_TYPE, check_record_every
     from pipeline.evaluation.writing import write_metrics
     from pipeline.learning.labels import LabelRule
     from pipeline.learning.quality import detection_quality
     from pipeline.output import check_place
     from pipeline.policies.inference import Driver
-    from pipeline.policies.loading import driving_rule, policy_lineage, read_labels
-    from pipeline.policies.recording import SEED_STREAMS, Drive, record_all, until_queries
-    from pipeline.policies.strategies import Strategy
-    from pipeline.world.features import ROBOT_TYPE, check_record_every
+    from pipeline.policies.loading import policy_lineage, read_labels
+    from pipeline.rollout.recording import SEED_STREAMS, Drive, record_all, until_queries
+    from pipeline.rollout.rules import driving_rule
+    from pipeline.rollout.strategies import Strategy
 
     check_place(output, metrics)
     names, fps = options.names(tracks), check_record_every(record_every)

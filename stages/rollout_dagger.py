@@ -36,12 +36,12 @@ def rollout_dagger(
     """Drive with DAgger's mixture, all labelled (Section 2.6)."""
     from pipeline.data.lineage import Recipe
     from pipeline.data.writing import write_dataset
+    from pipeline.driving.features import ROBOT_TYPE, check_record_every
     from pipeline.output import check_place
     from pipeline.policies.inference import Driver
     from pipeline.policies.loading import policy_lineage
-    from pipeline.policies.recording import SEED_STREAMS, Drive, record_all, until_queries
-    from pipeline.policies.strategies import Rule, Strategy
-    from pipeline.world.features import ROBOT_TYPE, check_record_every
+    from pipeline.rollout.recording import SEED_STREAMS, Drive, record_all, until_queries
+    from pipeline.rollout.strategies import Rule, Strategy
 
     check_place(output)
     names = options.names(tracks)

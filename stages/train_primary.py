@@ -50,14 +50,14 @@ def train_primary(
     from pipeline.data.images import read_images
     from pipeline.data.labels import check_labels
     from pipeline.data.lineage import Recipe
+    from pipeline.driving.features import CAMERA, IMITATED
+    from pipeline.driving.traffic import SENSOR_RANGE
     from pipeline.learning.settings import PrimarySettings
     from pipeline.learning.training import train_primary as train
     from pipeline.output import new_directory
     from pipeline.policies.loading import load_primary, policy_lineage, weights_sha256
     from pipeline.policies.network import LossWeights
     from pipeline.policies.primary import PrimaryConfig, PrimaryPolicy
-    from pipeline.world.features import CAMERA, IMITATED
-    from pipeline.world.traffic import SENSOR_RANGE
 
     loss = LossWeights(steering=steering_weight, brake=brake_weight, brake_on=brake_on)
     settings = PrimarySettings(

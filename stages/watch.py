@@ -40,17 +40,17 @@ def watch(
     web: options.Web = False,
 ) -> None:
     """Drive, and show it in Rerun meanwhile. Ctrl-C ends the drive."""
+    from pipeline.driving.features import CONTROL_HZ
+    from pipeline.driving.tracks import make_track
     from pipeline.inspection.live import Tally, in_real_time, watched
     from pipeline.inspection.rerun_blueprints import live_blueprint
     from pipeline.inspection.rerun_camera import RAW
     from pipeline.inspection.rerun_log import drive_tracer, new_recording
     from pipeline.policies.inference import Driver
-    from pipeline.policies.judgement import Judgement
-    from pipeline.policies.loading import driving_rule
-    from pipeline.policies.recording import Drive
-    from pipeline.policies.strategies import Rule, Strategy
-    from pipeline.world.features import CONTROL_HZ
-    from pipeline.world.tracks import make_track
+    from pipeline.rollout.judgement import Judgement
+    from pipeline.rollout.recording import Drive
+    from pipeline.rollout.rules import driving_rule
+    from pipeline.rollout.strategies import Rule, Strategy
 
     driver, rule, judgement = None, Rule(Strategy.REFERENCE), None
     if primary is not None and safety is not None:

@@ -10,7 +10,7 @@ from pipeline.data.dataset import Dataset
 from pipeline.data.lineage import Recipe
 from pipeline.data.schema import OWN, Asked, Episode
 from pipeline.data.writing import write_dataset
-from pipeline.world.features import ACTIONS, CAMERA, FEATURES, IMAGE_SHAPE, ROBOT_TYPE
+from pipeline.driving.features import ACTIONS, CAMERA, FEATURES, IMAGE_SHAPE, ROBOT_TYPE
 
 LABELS = {"tau": 0.0025, "include_brake": False, "horizon": 0.0, "horizon_mode": "last"}
 JUDGED = {"cut": 0.5, "labels": LABELS}

@@ -20,22 +20,30 @@ HEAVY = ("torch", "lerobot", "pybullet", "gymnasium", "datasets", "pandas", "sci
 MAY_IMPORT = {
     "pipeline": {"pipeline"},
     "pipeline.data": {"pipeline"},
-    "pipeline.world": {"pipeline", "pipeline.data"},
-    "pipeline.policies": {"pipeline", "pipeline.data", "pipeline.world"},
-    "pipeline.learning": {"pipeline", "pipeline.data", "pipeline.world", "pipeline.policies"},
+    "pipeline.driving": {"pipeline", "pipeline.data"},
+    "pipeline.policies": {"pipeline", "pipeline.data", "pipeline.driving"},
+    "pipeline.rollout": {"pipeline", "pipeline.data", "pipeline.driving", "pipeline.policies"},
+    "pipeline.learning": {"pipeline", "pipeline.data", "pipeline.driving", "pipeline.policies"},
     "pipeline.evaluation": {
         "pipeline",
         "pipeline.data",
-        "pipeline.world",
+        "pipeline.driving",
         "pipeline.policies",
+        "pipeline.rollout",
         "pipeline.inspection",
     },
-    "pipeline.inspection": {"pipeline", "pipeline.data", "pipeline.world", "pipeline.policies"},
-    "pipeline.claims": {"pipeline", "pipeline.policies", "pipeline.evaluation"},
+    "pipeline.inspection": {
+        "pipeline",
+        "pipeline.data",
+        "pipeline.driving",
+        "pipeline.policies",
+        "pipeline.rollout",
+    },
+    "pipeline.claims": {"pipeline", "pipeline.rollout", "pipeline.evaluation"},
     "pipeline.report": {
         "pipeline",
         "pipeline.data",
-        "pipeline.policies",
+        "pipeline.rollout",
         "pipeline.evaluation",
         "pipeline.claims",
         "pipeline.inspection",
@@ -43,8 +51,9 @@ MAY_IMPORT = {
     "pipeline.cards": {
         "pipeline",
         "pipeline.data",
-        "pipeline.world",
+        "pipeline.driving",
         "pipeline.policies",
+        "pipeline.rollout",
         "pipeline.evaluation",
     },
 }
@@ -63,7 +72,7 @@ def imports(path: Path) -> Iterator[str]:
 
 
 def package(name: str) -> str:
-    """The part of the house that a module is in: `pipeline.world`, say, or `pipeline` itself."""
+    """The part of the house that a module is in: `pipeline.driving`, say, or `pipeline` itself."""
     parts = name.split(".")
     inside = (ROOT / parts[0] / parts[1]).is_dir() if len(parts) > 1 else False
     return ".".join(parts[:2]) if inside else parts[0]

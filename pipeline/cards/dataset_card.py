@@ -10,8 +10,8 @@ from pipeline.cards.origin import shown
 from pipeline.cards.purposes import PROJECT, purpose
 from pipeline.cards.strip import sample_rows
 from pipeline.data.lineage import Made
+from pipeline.driving.features import CONTROL_HZ, FEATURES
 from pipeline.evaluation.wording import count, share, table
-from pipeline.world.features import CONTROL_HZ, FEATURES
 
 MEANINGS = {
     "observation.images.front": "the camera, 160 x 72 RGB, lossless",

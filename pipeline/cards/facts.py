@@ -8,10 +8,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pipeline.data.dataset import Dataset
-from pipeline.policies.judgement import judgements
-from pipeline.world.affordances import FULL_ANGLE
-from pipeline.world.features import AFFORDANCES, CONTROL_HZ, IMITATED
-from pipeline.world.tracks import LANE_WIDTH
+from pipeline.driving.affordances import FULL_ANGLE
+from pipeline.driving.features import AFFORDANCES, CONTROL_HZ, IMITATED
+from pipeline.driving.tracks import LANE_WIDTH
+from pipeline.rollout.judgement import judgements
 
 
 @dataclass(frozen=True)

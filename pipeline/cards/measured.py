@@ -6,7 +6,7 @@ from pathlib import Path
 
 from pipeline.evaluation.metrics_file import MetricsFile, SafetyQuality
 from pipeline.evaluation.summary import CONDITIONS, Performance
-from pipeline.policies.strategies import DRIVING
+from pipeline.rollout.strategies import DRIVING
 
 
 @dataclass(frozen=True)

@@ -14,10 +14,10 @@ from pipeline.cards.purposes import PROJECT
 from pipeline.cards.quickstart import quickstart
 from pipeline.cards.results import detection, driving
 from pipeline.data.lineage import Made
+from pipeline.driving.features import AFFORDANCES
 from pipeline.evaluation.summary import CONDITIONS
 from pipeline.evaluation.wording import CONDITION_WORDS, count, share, table
-from pipeline.policies.strategies import Strategy
-from pipeline.world.features import AFFORDANCES
+from pipeline.rollout.strategies import Strategy
 
 _CONFIG = {
     "primary_sha256": "of the weights of the primary that it watches: it fits no other",

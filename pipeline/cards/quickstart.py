@@ -1,8 +1,8 @@
 """How to load a policy and drive it: code that runs as it stands, where the project is."""
 
 from pipeline.cards.policy import PolicyFacts
-from pipeline.policies.strategies import Strategy
-from pipeline.world.tracks import TEST
+from pipeline.driving.tracks import TEST
+from pipeline.rollout.strategies import Strategy
 
 _TRAFFIC, _SECONDS = 12, 10  # of the drive that the code takes
 
@@ -27,7 +27,8 @@ def quickstart(
     kind, name = ("safety", "SafetyPolicy") if safety else ("primary", "PrimaryPolicy")
     return f"""```python
 from pathlib import Path
-from pipeline.policies import inference, recording, strategies
+from pipeline.policies import inference
+from pipeline.rollout import recording, strategies
 
 driver = inference.Driver.load({paths})
 rule = strategies.Rule(strategies.Strategy.{rule})

@@ -1,9 +1,9 @@
 """What was measured of a policy, as its card shows it."""
 
 from pipeline.cards.measured import Measured
+from pipeline.driving.tracks import TEST
 from pipeline.evaluation.wording import CONDITION_WORDS, amount, count, laps, ratio, share, table
-from pipeline.policies.strategies import Strategy
-from pipeline.world.tracks import TEST
+from pipeline.rollout.strategies import Strategy
 
 _STRATEGIES: dict[str, str] = {
     Strategy.NAIVE: "the primary drives",

@@ -6,7 +6,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from pipeline.world.features import IMAGE_SHAPE
+from pipeline.driving.features import IMAGE_SHAPE
 
 COUNT = 6  # frames in a strip
 GAP = 2  # [pixels] of white between frames

@@ -12,7 +12,7 @@ from pipeline.cards.policy import PolicyFacts, read_policy
 from pipeline.cards.strip import sample_rows, strip
 from pipeline.data.images import read_some_images
 from pipeline.data.lineage import Lineage
-from pipeline.world.features import CAMERA
+from pipeline.driving.features import CAMERA
 
 
 def write_dataset_cards(folder: Path, catalogue: Catalogue) -> dict[str, Facts]:

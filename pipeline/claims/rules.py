@@ -17,7 +17,7 @@ from pipeline.evaluation.experiment import RUNS, Experiment
 from pipeline.evaluation.outcomes import Outcome
 from pipeline.evaluation.summary import CONDITIONS, LAPS, condition
 from pipeline.evaluation.wording import CONDITION_WORDS, laps, seeds_in_words
-from pipeline.policies.strategies import Strategy
+from pipeline.rollout.strategies import Strategy
 
 ITERATIONS = 3
 """of a whole loop, as in the paper (Sec. 4.2)"""

@@ -20,7 +20,7 @@ from pipeline.evaluation.comparison import Cell
 from pipeline.evaluation.experiment import RUNS, Experiment
 from pipeline.evaluation.summary import CONDITIONS, LAPS
 from pipeline.evaluation.wording import CONDITION_WORDS
-from pipeline.policies.strategies import Strategy
+from pipeline.rollout.strategies import Strategy
 
 SHOWN = 3  # of the cells that a claim about every cell does not hold in, or may not
 

@@ -20,7 +20,7 @@ from pipeline.evaluation.statistics import (
     ratio_of_sums,
 )
 from pipeline.evaluation.summary import LAPS, condition
-from pipeline.policies.strategies import Strategy
+from pipeline.rollout.strategies import Strategy
 
 RESAMPLING_SEED = 0
 """of every interval, so that none depends on which others were asked for"""

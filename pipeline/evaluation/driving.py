@@ -9,8 +9,8 @@ from itertools import pairwise
 
 from pipeline.evaluation.outcomes import Outcome
 from pipeline.policies.inference import Driver
-from pipeline.policies.recording import SEED_STREAMS, Drive, driven
-from pipeline.policies.strategies import Rule
+from pipeline.rollout.recording import SEED_STREAMS, Drive, driven
+from pipeline.rollout.strategies import Rule
 
 
 def plans(

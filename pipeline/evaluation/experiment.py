@@ -9,7 +9,7 @@ from pipeline.data.ledger import Ledger
 from pipeline.evaluation.metrics_file import MetricsFile, SafetyQuality
 from pipeline.evaluation.outcomes import Outcome, read_outcomes
 from pipeline.evaluation.summary import condition
-from pipeline.policies.strategies import Strategy
+from pipeline.rollout.strategies import Strategy
 
 RUNS = {
     "supervised": "supervised",

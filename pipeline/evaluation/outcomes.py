@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from pipeline.output import write_file
-from pipeline.policies.strategies import Strategy
+from pipeline.rollout.strategies import Strategy
 
 _STRATEGIES = ", ".join(Strategy)
 

@@ -7,7 +7,7 @@ from pipeline.data.dataset import Dataset
 from pipeline.data.images import read_episodes
 from pipeline.data.schema import Episode
 from pipeline.inspection.takeovers import Takeover, takeovers
-from pipeline.policies.judgement import Judgement, judgements
+from pipeline.rollout.judgement import Judgement, judgements
 
 
 @dataclass(frozen=True, eq=False)

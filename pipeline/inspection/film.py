@@ -11,12 +11,12 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
 
+from pipeline.driving.cars import LENGTH, WIDTH, Cars
+from pipeline.driving.world import World
 from pipeline.inspection.tracks import ToPixels, track_map
-from pipeline.policies.driving import Frame
 from pipeline.policies.inference import Driver
-from pipeline.policies.recording import Drive, driven
-from pipeline.world.cars import LENGTH, WIDTH, Cars
-from pipeline.world.world import World
+from pipeline.rollout.loop import Frame
+from pipeline.rollout.recording import Drive, driven
 
 WIDE = 480  # [px] the film
 ENLARGED = 1.5  # the camera's picture, which leaves room beside it for words

@@ -10,12 +10,12 @@ from numpy.typing import NDArray
 from scipy.spatial import KDTree
 
 from pipeline.data.schema import Episode
-from pipeline.policies.deviation import deviation
-from pipeline.policies.driving import Frame
-from pipeline.policies.judgement import Judgement
-from pipeline.world.cars import LENGTH
-from pipeline.world.features import CAMERA
-from pipeline.world.tracks import LANE_WIDTH, Track, make_track
+from pipeline.driving.cars import LENGTH
+from pipeline.driving.deviation import deviation
+from pipeline.driving.features import CAMERA
+from pipeline.driving.tracks import LANE_WIDTH, Track, make_track
+from pipeline.rollout.judgement import Judgement
+from pipeline.rollout.loop import Frame
 
 TASK = re.compile(r"drive on (\S+) with \d+ other cars")  # as `recording.Drive.task` says it
 BESIDE = np.array([LANE_WIDTH, 0.0, -LANE_WIDTH])  # [m] to the left, same and right lane

@@ -7,10 +7,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from pipeline.driving.world import World
 from pipeline.inspection.footage import Footage
 from pipeline.policies.inference import Driver
-from pipeline.policies.recording import Drive, driven
-from pipeline.world.world import World
+from pipeline.rollout.recording import Drive, driven
 
 
 def watched(plan: Drive, driver: Driver | None) -> Iterator[tuple[World, Footage]]:

@@ -6,11 +6,11 @@ from dataclasses import dataclass
 from pipeline.data.dataset import Dataset
 from pipeline.data.images import read_episodes
 from pipeline.data.schema import Episode
+from pipeline.driving.features import FEATURES
+from pipeline.driving.tracks import Track
 from pipeline.inspection.excerpts import judgement_of
 from pipeline.inspection.footage import Footage, track_of
-from pipeline.policies.judgement import Judgement
-from pipeline.world.features import FEATURES
-from pipeline.world.tracks import Track
+from pipeline.rollout.judgement import Judgement
 
 
 @dataclass(frozen=True, eq=False)

@@ -5,9 +5,9 @@ import numpy as np
 import rerun as rr
 from numpy.typing import NDArray
 
+from pipeline.driving.features import IMAGE_SHAPE
 from pipeline.inspection.footage import Footage
 from pipeline.inspection.rerun_traces import Trace
-from pipeline.world.features import IMAGE_SHAPE
 
 AT_ONCE = 64
 

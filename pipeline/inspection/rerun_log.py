@@ -7,15 +7,15 @@ import numpy as np
 import rerun as rr
 from numpy.typing import NDArray
 
+from pipeline.driving.features import AFFORDANCES
+from pipeline.driving.tracks import Track
 from pipeline.inspection.excerpts import Excerpt
 from pipeline.inspection.footage import Footage, track_of
 from pipeline.inspection.pairs import Pair
 from pipeline.inspection.rerun_camera import COMPRESSED
 from pipeline.inspection.rerun_top_view import log_track, top_view
 from pipeline.inspection.rerun_traces import Trace, Tracer, dots, lane, level, line
-from pipeline.policies.judgement import Judgement
-from pipeline.world.features import AFFORDANCES
-from pipeline.world.tracks import Track
+from pipeline.rollout.judgement import Judgement
 
 APPLICATION = "safedagger"
 BLUE, LIGHT_BLUE, RED, ORANGE = 0x0072B2FF, 0x56B4E9FF, 0xD55E00FF, 0xE69F00FF

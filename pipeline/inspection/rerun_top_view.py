@@ -8,10 +8,10 @@ import numpy as np
 import rerun as rr
 from numpy.typing import NDArray
 
+from pipeline.driving.cars import LENGTH, WIDTH
+from pipeline.driving.tracks import Track
 from pipeline.inspection.footage import Footage
 from pipeline.inspection.rerun_traces import Trace
-from pipeline.world.cars import LENGTH, WIDTH
-from pipeline.world.tracks import Track
 
 YELLOW, WHITE = 0xF0E442FF, 0xFFFFFFFF
 STEP = 1.5  # [m] between the points of a line along the road

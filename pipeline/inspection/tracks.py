@@ -10,12 +10,12 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Wedge
 from numpy.typing import NDArray
 
+from pipeline.driving.affordances import affordances
+from pipeline.driving.cars import Cars
+from pipeline.driving.tracks import Track, make_track
+from pipeline.driving.traffic import start
+from pipeline.driving.world import World
 from pipeline.inspection.canvas import DPI, new_figure, styled
-from pipeline.world.affordances import affordances
-from pipeline.world.cars import Cars
-from pipeline.world.tracks import Track, make_track
-from pipeline.world.traffic import start
-from pipeline.world.world import World
 
 COLUMNS = 4  # tracks beside each other
 MARGIN = 20.0  # [m] of ground around the largest track; all tracks of a sheet have one scale

@@ -3,7 +3,7 @@
 import torch
 from torch import Tensor
 
-from pipeline.world.features import AFFORDANCES
+from pipeline.driving.features import AFFORDANCES
 
 _OTHER_SIDE = {
     "lane_left": "lane_right",

@@ -9,7 +9,7 @@ from typing import Any, Literal, Self
 
 import numpy as np
 
-from pipeline.policies.deviation import deviation
+from pipeline.driving.deviation import deviation
 
 
 @dataclass(frozen=True)

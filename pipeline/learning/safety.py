@@ -12,10 +12,10 @@ from numpy.typing import NDArray
 from pipeline.data.dataset import Dataset
 from pipeline.data.images import read_images
 from pipeline.data.labels import check_labels
+from pipeline.driving.features import CAMERA, DRIVEN
 from pipeline.learning.labels import LabelRule
 from pipeline.policies.inference import propose
 from pipeline.policies.network import PrimaryNetwork
-from pipeline.world.features import CAMERA, DRIVEN
 
 
 @dataclass(frozen=True)

@@ -12,6 +12,7 @@ import torch
 import torch.nn.functional as F
 from torch import Tensor
 
+from pipeline.driving.features import ACTIONS, AFFORDANCES, IMAGE_SHAPE
 from pipeline.learning.augmentation import jitter, mirror
 from pipeline.learning.fitting import Metrics, OnEpoch, fit, split_episodes
 from pipeline.learning.settings import PrimarySettings, SafetySettings
@@ -23,7 +24,6 @@ from pipeline.policies.network import (
     primary_loss,
     to_float,
 )
-from pipeline.world.features import ACTIONS, AFFORDANCES, IMAGE_SHAPE
 
 _MEASURED = 256
 """Held-out frames that are measured at a time."""

@@ -12,6 +12,7 @@ import numpy as np
 import torch
 from torch import Tensor
 
+from pipeline.driving.features import IMAGE_SHAPE
 from pipeline.policies.computing import computing
 from pipeline.policies.loading import check_pair, load_primary, load_safety, read_brake_cut
 from pipeline.policies.network import (
@@ -22,7 +23,6 @@ from pipeline.policies.network import (
     to_actions,
     to_float,
 )
-from pipeline.world.features import IMAGE_SHAPE
 
 _PROPOSED = 32
 """Images at a time: more do not fit into a processor's cache."""

@@ -12,7 +12,6 @@ from torch import Tensor, nn
 
 from pipeline.data.lineage import Lineage
 from pipeline.policies.network import PrimaryNetwork, SafetyNetwork, feature_size
-from pipeline.policies.strategies import Rule, Strategy
 
 CONFIG_FILE = "config.json"
 WEIGHTS_FILE = "model.safetensors"
@@ -99,28 +98,6 @@ def read_labels(safety: Path) -> dict[str, Any]:
 def read_cut(safety: Path) -> float:
     """The safe probability below which the policy in `safety` says unsafe; raises as `read_config`."""
     return float(_field(safety, read_config(safety, SAFETY_TYPE), "cut", int | float))
-
-
-def driving_rule(safety: Path, strategy: Strategy, cut: float | None = None) -> Rule:
-    """The rule of a driving strategy for a primary that the policy in `safety` watches.
-
-    What deviates, for OPTIMAL, is what the policy's labels were made by.
-
-    Args:
-        safety: its directory.
-        strategy: one that needs a primary.
-        cut: in the place of the policy's own.
-
-    Raises:
-        ValueError: as `read_config`; `cut` is out of its range.
-    """
-    labels = read_labels(safety)
-    return Rule(
-        strategy,
-        cut=read_cut(safety) if cut is None else cut,
-        tau=labels["tau"],
-        include_brake=labels["include_brake"],
-    )
 
 
 def load_weights(network: nn.Module, directory: Path) -> None:

@@ -11,7 +11,7 @@ import torch.nn.functional as F
 from torch import Tensor, nn
 from torch.nn.utils import skip_init
 
-from pipeline.world.features import ACTIONS, AFFORDANCES, IMAGE_SHAPE
+from pipeline.driving.features import ACTIONS, AFFORDANCES, IMAGE_SHAPE
 
 INDICATORS = AFFORDANCES[:5]
 DISTANCES = AFFORDANCES[5:8]

@@ -20,6 +20,7 @@ from lerobot.processor.factory import make_default_pre_post_processors
 from lerobot.utils.constants import ACTION
 from torch import Tensor, nn
 
+from pipeline.driving.features import ACTIONS, CAMERA, IMAGE_SHAPE
 from pipeline.policies.loading import CONFIG_FILE, PRIMARY_TYPE, load_weights, read_config
 from pipeline.policies.network import (
     CHANNELS,
@@ -28,7 +29,6 @@ from pipeline.policies.network import (
     primary_loss,
     to_actions,
 )
-from pipeline.world.features import ACTIONS, CAMERA, IMAGE_SHAPE
 
 _CHANNELS_FIRST = (IMAGE_SHAPE[2], *IMAGE_SHAPE[:2])
 

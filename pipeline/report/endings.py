@@ -6,7 +6,7 @@ from pipeline.evaluation.experiment import RUNS, Experiment
 from pipeline.evaluation.outcomes import Outcome
 from pipeline.evaluation.summary import CONDITIONS, LAPS
 from pipeline.evaluation.wording import NOTHING, table
-from pipeline.policies.strategies import DRIVING, Strategy
+from pipeline.rollout.strategies import DRIVING, Strategy
 
 
 def left_the_road(drive: Outcome) -> bool:

@@ -7,9 +7,9 @@ from matplotlib.figure import Figure
 
 from pipeline.evaluation.experiment import RUNS, TRAINING, VARIANTS, Experiment
 from pipeline.evaluation.summary import CONDITIONS
-from pipeline.policies.strategies import Strategy
 from pipeline.report.looks import LABELS
 from pipeline.report.panels import ASKED, Line, Panel, draw
+from pipeline.rollout.strategies import Strategy
 
 TITLES = {
     "strategies": "Training strategies: driving over the iterations (the paper's Fig. 3)",

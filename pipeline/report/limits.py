@@ -4,10 +4,10 @@ from collections.abc import Iterator
 
 from pipeline.evaluation.experiment import Experiment
 from pipeline.evaluation.wording import NOTHING
-from pipeline.policies.strategies import Strategy
 from pipeline.report.headline import OURS
 from pipeline.report.safety_tables import QUALITY, mean_quality
 from pipeline.report.tables import NAIVE, OPTIMAL, SAFE, estimates
+from pipeline.rollout.strategies import Strategy
 
 
 def limits(experiment: Experiment) -> str:

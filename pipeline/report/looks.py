@@ -7,7 +7,7 @@ from matplotlib.lines import Line2D
 
 from pipeline.evaluation.experiment import RUNS
 from pipeline.evaluation.summary import CONDITIONS
-from pipeline.policies.strategies import Strategy
+from pipeline.rollout.strategies import Strategy
 
 # colours that the colour-blind can tell, of different brightness within a panel, and markers
 LOOKS = {

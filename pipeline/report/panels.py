@@ -16,9 +16,9 @@ from pipeline.evaluation.experiment import Experiment, Step
 from pipeline.evaluation.statistics import Estimate
 from pipeline.evaluation.summary import LAPS
 from pipeline.inspection.canvas import new_figure, styled
-from pipeline.policies.strategies import Strategy
 from pipeline.report.looks import LOOKS, NAMES, legend, look
 from pipeline.report.tables import METRICS
+from pipeline.rollout.strategies import Strategy
 
 TITLES = {
     "laps": ("Laps", "laps"),

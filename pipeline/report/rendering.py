@@ -8,7 +8,6 @@ from pipeline.claims.verdicts import Verdict, verdicts
 from pipeline.evaluation.experiment import VARIANTS, Experiment
 from pipeline.evaluation.summary import LAPS
 from pipeline.evaluation.wording import table
-from pipeline.policies.driving import STANDSTILL
 from pipeline.report import safety_tables, tables
 from pipeline.report.basis import basis, certainty, cost
 from pipeline.report.endings import endings
@@ -20,6 +19,7 @@ from pipeline.report.runs import runs
 from pipeline.report.scratch import warm_or_scratch
 from pipeline.report.shortfalls import falls_short
 from pipeline.report.track_table import by_track
+from pipeline.rollout.loop import STANDSTILL
 
 
 @dataclass(frozen=True)

@@ -11,7 +11,7 @@ from pipeline.evaluation.experiment import Experiment
 from pipeline.evaluation.outcomes import read_outcomes
 from pipeline.evaluation.summary import CONDITIONS
 from pipeline.evaluation.wording import CONDITION_WORDS, NOTHING, interval, table
-from pipeline.policies.strategies import Strategy
+from pipeline.rollout.strategies import Strategy
 
 WARM, SCRATCH = "safedagger", "scratch"
 _DRIVES = re.compile(r"seed_(?P<seed>\d+)/drives_scratch_(?P<iteration>\d+)\.csv")

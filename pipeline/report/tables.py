@@ -8,8 +8,8 @@ from pipeline.evaluation.comparison import Cell, estimate
 from pipeline.evaluation.experiment import RUNS, Experiment
 from pipeline.evaluation.summary import CONDITIONS
 from pipeline.evaluation.wording import amount, brief_interval, count, laps, share, table
-from pipeline.policies.strategies import DRIVING, Strategy
 from pipeline.report.material import Material
+from pipeline.rollout.strategies import DRIVING, Strategy
 
 NAIVE, SAFE, OPTIMAL = DRIVING
 METRICS: dict[str, tuple[str, Callable[[float], str], tuple[Strategy, ...]]] = {

@@ -3,8 +3,8 @@
 from pipeline.evaluation.experiment import RUNS, Experiment, Step
 from pipeline.evaluation.summary import CONDITIONS, Performance, measure
 from pipeline.evaluation.wording import NOTHING, amount, laps, share, table
-from pipeline.policies.strategies import Strategy
 from pipeline.report.tables import NAIVE, SAFE
+from pipeline.rollout.strategies import Strategy
 
 
 def by_track(experiment: Experiment) -> str:

@@ -14,13 +14,13 @@ from pipeline.data.lineage import Lineage, Recipe
 from pipeline.data.merging import merge
 from pipeline.data.selecting import select
 from pipeline.data.writing import write_dataset
+from pipeline.driving.features import ROBOT_TYPE
 from pipeline.evaluation.summary import summarise
 from pipeline.evaluation.writing import write_metrics
 from pipeline.policies.loading import policy_lineage, weights_sha256
 from pipeline.policies.network import PrimaryNetwork, SafetyNetwork, feature_size
 from pipeline.policies.primary import PrimaryConfig, PrimaryPolicy
 from pipeline.policies.safety import SafetyConfig, SafetyPolicy
-from pipeline.world.features import ROBOT_TYPE
 from stages.cards import cards as run_stage
 from tests.episodes import JUDGED, LABELS, random_episode, write
 from tests.evaluation.sample import outcome

@@ -13,7 +13,7 @@ from lerobot.datasets.utils import create_lerobot_dataset_card
 from pipeline.cards.dataset_card import MEANINGS
 from pipeline.data.dataset import Dataset
 from pipeline.data.selecting import select
-from pipeline.world.features import FEATURES
+from pipeline.driving.features import FEATURES
 from tests.cards.conftest import ALDER, BIRCH
 from tests.episodes import random_episode, write
 

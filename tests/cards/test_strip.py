@@ -11,9 +11,9 @@ from hypothesis import strategies as st
 from pipeline.cards.strip import sample_rows, strip
 from pipeline.data.dataset import Dataset
 from pipeline.data.images import read_images, read_some_images
+from pipeline.driving.features import CAMERA
+from pipeline.driving.tracks import make_track
 from pipeline.inspection.tracks import sample_frame
-from pipeline.world.features import CAMERA
-from pipeline.world.tracks import make_track
 
 
 @given(st.integers(1, 100_000), st.integers(1, 12))

@@ -10,7 +10,7 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 
 from pipeline.data.dataset import Dataset
-from pipeline.world.features import CAMERA
+from pipeline.driving.features import CAMERA
 
 DATA = Path("data", "chunk-000", "file-000.parquet")
 EPISODES = Path("meta", "episodes", "chunk-000", "file-000.parquet")

@@ -9,7 +9,7 @@ import pytest
 from pipeline.data.dataset import Dataset
 from pipeline.data.images import read_episodes, read_images, read_some_images
 from pipeline.data.schema import CORE, Asked, Episode
-from pipeline.world.features import CAMERA, FEATURES, IMITATED
+from pipeline.driving.features import CAMERA, FEATURES, IMITATED
 from tests.data.conftest import tree
 from tests.data.spoiling import (
     DATA,

@@ -10,7 +10,7 @@ from pipeline.data.images import read_episodes
 from pipeline.data.merging import filled, merge
 from pipeline.data.schema import Episode
 from pipeline.data.writing import Summary
-from pipeline.world.features import CAMERA, FEATURES
+from pipeline.driving.features import CAMERA, FEATURES
 from tests.data.conftest import strict_json, tree
 from tests.data.spoiling import Spoil, change_feature, change_info, copy, drop_column
 from tests.episodes import random_episode, write

@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from pipeline.data.schema import Episode
-from pipeline.world.features import CAMERA, FEATURES, check_record_every
+from pipeline.driving.features import CAMERA, FEATURES, check_record_every
 from tests.episodes import random_episode
 
 

@@ -11,7 +11,7 @@ from pipeline.data.images import pngs, read_episodes
 from pipeline.data.pieces import chosen, runs
 from pipeline.data.schema import Episode
 from pipeline.data.selecting import sample, select
-from pipeline.world.features import CAMERA, FEATURES
+from pipeline.driving.features import CAMERA, FEATURES
 from tests.data.spoiling import copy, drop_column
 from tests.episodes import random_episode, write
 

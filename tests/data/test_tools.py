@@ -11,7 +11,7 @@ import pytest
 from pipeline.data.dataset import Dataset
 from pipeline.data.merging import merge
 from pipeline.data.selecting import select
-from pipeline.world.features import CAMERA, FEATURES
+from pipeline.driving.features import CAMERA, FEATURES
 from tests.data.conftest import strict_json
 
 NUMBERS = [name for name in FEATURES if name != CAMERA]

@@ -11,7 +11,7 @@ from pipeline.data.dataset import DRIVES, Dataset
 from pipeline.data.lineage import Recipe
 from pipeline.data.schema import Episode
 from pipeline.data.writing import Summary, write_dataset
-from pipeline.world.features import CAMERA, FEATURES
+from pipeline.driving.features import CAMERA, FEATURES
 from tests.data.conftest import strict_json
 from tests.episodes import random_episode, write
 

@@ -8,8 +8,8 @@ from pipeline.data.ledger import Ledger
 from pipeline.evaluation.experiment import Experiment, Step
 from pipeline.evaluation.metrics_file import SafetyQuality
 from pipeline.evaluation.outcomes import Outcome
-from pipeline.policies.strategies import Strategy
 from pipeline.report.material import ErrorShares, Material
+from pipeline.rollout.strategies import Strategy
 from tests.evaluation.sample import CARS, TRACKS, outcome
 
 FRAMES = 1000

@@ -6,7 +6,7 @@ from typing import Any
 
 from pipeline.evaluation.outcomes import Outcome, write_outcomes
 from pipeline.evaluation.writing import write_metrics
-from pipeline.policies.strategies import Strategy
+from pipeline.rollout.strategies import Strategy
 
 TRACKS = ("spruce", "willow", "yew")
 CARS = 40

@@ -8,7 +8,7 @@ from pipeline.evaluation.comparison import METRICS, Cell, Contrast, contrast, es
 from pipeline.evaluation.experiment import Experiment
 from pipeline.evaluation.statistics import Estimate
 from pipeline.evaluation.summary import CONDITIONS, Performance, measure
-from pipeline.policies.strategies import Strategy
+from pipeline.rollout.strategies import Strategy
 from tests.evaluation.made_up import Level, experiment
 from tests.evaluation.sample import outcome
 

@@ -6,8 +6,8 @@ import torch
 from pipeline.evaluation.driving import evaluate, plans
 from pipeline.policies.inference import Driver
 from pipeline.policies.network import PrimaryNetwork, SafetyNetwork, feature_size
-from pipeline.policies.recording import Drive
-from pipeline.policies.strategies import DRIVING, Rule, Strategy
+from pipeline.rollout.recording import Drive
+from pipeline.rollout.strategies import DRIVING, Rule, Strategy
 
 RULES = [Rule(strategy, cut=0.0, tau=9.0) for strategy in DRIVING]
 ALWAYS = Rule(Strategy.SAFE, cut=1.0)

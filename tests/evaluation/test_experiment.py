@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from pipeline.evaluation.experiment import RUNS, Experiment, read_experiment
-from pipeline.policies.strategies import Strategy
+from pipeline.rollout.strategies import Strategy
 from tests.evaluation.sample import drives, write_run
 
 

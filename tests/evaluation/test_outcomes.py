@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from pipeline.evaluation.outcomes import Outcome, read_outcomes, write_outcomes
-from pipeline.policies.strategies import Strategy
+from pipeline.rollout.strategies import Strategy
 from tests.evaluation.sample import drives, outcome
 
 amounts = st.floats(0, 1e9)

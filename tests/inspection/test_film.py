@@ -8,13 +8,13 @@ import pytest
 import torch
 from PIL import Image
 
+from pipeline.driving.tracks import make_track
 from pipeline.inspection.film import PRIMARY, REFERENCE, gif, shoot
 from pipeline.inspection.tracks import track_map
 from pipeline.policies.inference import Driver
 from pipeline.policies.network import PrimaryNetwork
-from pipeline.policies.recording import Drive
-from pipeline.policies.strategies import Rule, Strategy
-from pipeline.world.tracks import make_track
+from pipeline.rollout.recording import Drive
+from pipeline.rollout.strategies import Rule, Strategy
 
 BY_PRIMARY = Drive(
     track="yew",

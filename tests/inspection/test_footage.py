@@ -5,13 +5,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from pipeline.driving.cars import LENGTH
+from pipeline.driving.tracks import LANE_WIDTH, make_track
+from pipeline.driving.traffic import SENSOR_RANGE
+from pipeline.driving.world import World
 from pipeline.inspection.footage import Footage, cars_in_affordances, track_of
-from pipeline.policies.recording import Drive, record
-from pipeline.policies.strategies import Rule, Strategy
-from pipeline.world.cars import LENGTH
-from pipeline.world.tracks import LANE_WIDTH, make_track
-from pipeline.world.traffic import SENSOR_RANGE
-from pipeline.world.world import World
+from pipeline.rollout.recording import Drive, record
+from pipeline.rollout.strategies import Rule, Strategy
 from tests.episodes import random_episode
 
 PLAN = Drive(

@@ -9,6 +9,8 @@ import numpy as np
 import pytest
 import torch
 
+from pipeline.driving.features import CAMERA, CONTROL_HZ
+from pipeline.driving.tracks import make_track
 from pipeline.inspection.footage import Footage
 from pipeline.inspection.live import Tally, in_real_time, watched
 from pipeline.inspection.rerun_blueprints import live_blueprint
@@ -16,12 +18,10 @@ from pipeline.inspection.rerun_camera import RAW
 from pipeline.inspection.rerun_log import drive_tracer, new_recording
 from pipeline.inspection.rerun_sinks import into_file
 from pipeline.policies.inference import Driver
-from pipeline.policies.judgement import Judgement
 from pipeline.policies.network import PrimaryNetwork, SafetyNetwork, feature_size
-from pipeline.policies.recording import Drive, record
-from pipeline.policies.strategies import Rule, Strategy
-from pipeline.world.features import CAMERA, CONTROL_HZ
-from pipeline.world.tracks import make_track
+from pipeline.rollout.judgement import Judgement
+from pipeline.rollout.recording import Drive, record
+from pipeline.rollout.strategies import Rule, Strategy
 from tests.inspection.saved import batches, column, origins, recordings
 
 PLAN = Drive(

@@ -9,11 +9,11 @@ from rerun.experimental import RrdReader
 
 from pipeline.data.dataset import Dataset
 from pipeline.data.schema import Episode
+from pipeline.driving.features import CAMERA
 from pipeline.inspection.pairs import pairs
 from pipeline.inspection.rerun_blueprints import pair_blueprint
 from pipeline.inspection.rerun_log import BLUE, LIGHT_BLUE, ORANGE, RED, log_pair
 from pipeline.inspection.rerun_sinks import into_file
-from pipeline.world.features import CAMERA
 from tests.episodes import LABELS, random_episode, write
 from tests.inspection.saved import column, origins, recordings
 

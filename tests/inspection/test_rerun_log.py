@@ -14,11 +14,11 @@ from rerun.experimental import RrdReader
 
 from pipeline.data.dataset import Dataset
 from pipeline.data.schema import Episode
+from pipeline.driving.features import AFFORDANCES, CAMERA
 from pipeline.inspection.excerpts import Excerpt, around_takeovers, whole_episodes
 from pipeline.inspection.rerun_blueprints import drive_blueprint
 from pipeline.inspection.rerun_log import log_excerpt
 from pipeline.inspection.rerun_sinks import into_file, into_viewer
-from pipeline.world.features import AFFORDANCES, CAMERA
 from tests.episodes import LABELS, random_episode, write
 from tests.inspection.saved import column, origins, recordings
 

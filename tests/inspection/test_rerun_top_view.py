@@ -7,6 +7,8 @@ import pytest
 import torch
 from rerun.experimental import RrdReader, StoreEntry
 
+from pipeline.driving.cars import LENGTH, WIDTH
+from pipeline.driving.tracks import SHOULDER, make_track
 from pipeline.inspection.excerpts import Excerpt
 from pipeline.inspection.footage import Footage
 from pipeline.inspection.rerun_blueprints import drive_blueprint
@@ -14,10 +16,8 @@ from pipeline.inspection.rerun_log import BLUE, RED, log_excerpt
 from pipeline.inspection.rerun_sinks import into_file
 from pipeline.policies.inference import Driver
 from pipeline.policies.network import PrimaryNetwork
-from pipeline.policies.recording import Drive, record
-from pipeline.policies.strategies import Rule, Strategy
-from pipeline.world.cars import LENGTH, WIDTH
-from pipeline.world.tracks import SHOULDER, make_track
+from pipeline.rollout.recording import Drive, record
+from pipeline.rollout.strategies import Rule, Strategy
 from tests.inspection.saved import batches, column, recordings
 
 NORTH_UP = np.array([1, -1])

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
+from pipeline.driving.tracks import TEST, TRAINING, make_track
 from pipeline.inspection.canvas import png
 from pipeline.inspection.tracks import sample_frame, track_sheet
-from pipeline.world.tracks import TEST, TRAINING, make_track
 
 
 @pytest.mark.parametrize("names", [["yew"], list(TEST), [*list(TRAINING)[:4], "random:3"]])

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 import torch
 
+from pipeline.driving.deviation import deviation
 from pipeline.learning.labels import safe_labels
 from pipeline.learning.settings import PrimarySettings, SafetySettings
 from pipeline.learning.training import (
@@ -12,7 +13,6 @@ from pipeline.learning.training import (
     train_primary,
     train_safety,
 )
-from pipeline.policies.deviation import deviation
 from pipeline.policies.inference import propose
 
 FRAMES = 240

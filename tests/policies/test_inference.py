@@ -10,10 +10,10 @@ import pytest
 import torch
 
 from pipeline.policies.inference import Driver, propose
-from pipeline.policies.loading import driving_rule
 from pipeline.policies.network import PrimaryNetwork, SafetyNetwork, feature_size, to_float
 from pipeline.policies.safety import SafetyConfig, SafetyPolicy
-from pipeline.policies.strategies import Rule, Strategy
+from pipeline.rollout.rules import driving_rule
+from pipeline.rollout.strategies import Rule, Strategy
 
 torch.set_num_threads(1)
 

@@ -5,6 +5,7 @@ import pytest
 import torch
 import torch.nn.functional as F
 
+from pipeline.driving.features import ACTIONS, AFFORDANCES
 from pipeline.policies.network import (
     DISTANCES,
     INDICATORS,
@@ -17,7 +18,6 @@ from pipeline.policies.network import (
     to_actions,
     to_float,
 )
-from pipeline.world.features import ACTIONS, AFFORDANCES
 
 torch.set_num_threads(1)
 

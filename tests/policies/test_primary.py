@@ -10,10 +10,10 @@ import torch
 from lerobot.policies.factory import get_policy_class, make_policy, make_pre_post_processors
 from safetensors.torch import load_file, save_file
 
+from pipeline.driving.features import CAMERA, FEATURES
 from pipeline.policies.inference import Driver
 from pipeline.policies.network import LossWeights, PrimaryNetwork
 from pipeline.policies.primary import PrimaryConfig, PrimaryPolicy
-from pipeline.world.features import CAMERA, FEATURES
 
 torch.set_num_threads(1)
 

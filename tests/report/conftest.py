@@ -5,7 +5,7 @@ from dataclasses import replace
 import pytest
 
 from pipeline.evaluation.experiment import VARIANTS, Experiment, Step
-from pipeline.policies.strategies import Strategy
+from pipeline.rollout.strategies import Strategy
 from tests.evaluation.made_up import GOOD, changed, experiment, scattered
 
 TABLE = {run: scattered(list(levels)) for run, levels in GOOD.items()}

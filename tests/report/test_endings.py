@@ -4,8 +4,8 @@ from dataclasses import replace
 from typing import Any
 
 from pipeline.evaluation.experiment import Experiment, Step
-from pipeline.policies.strategies import Strategy
 from pipeline.report.endings import endings
+from pipeline.rollout.strategies import Strategy
 from tests.evaluation.made_up import FULL, changed, experiment, with_optimal
 
 LEFT = {"laps": 1.0, "off_road": True}

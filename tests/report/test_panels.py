@@ -9,9 +9,9 @@ import pytest
 from pipeline.evaluation.comparison import Cell, estimate
 from pipeline.evaluation.experiment import TRAINING, VARIANTS, Experiment, Step
 from pipeline.inspection.canvas import png
-from pipeline.policies.strategies import Strategy
 from pipeline.report.figures import cost, driving, takeover
 from pipeline.report.looks import LOOKS
+from pipeline.rollout.strategies import Strategy
 from tests.evaluation.made_up import GROWING, SLOW, changed, experiment
 from tests.report.drawn import curves, panels
 

@@ -5,7 +5,7 @@ from dataclasses import replace
 from pipeline.claims.verdicts import verdicts
 from pipeline.evaluation.experiment import RUNS, Experiment
 from pipeline.evaluation.summary import condition
-from pipeline.policies.strategies import Strategy
+from pipeline.rollout.strategies import Strategy
 from tests.evaluation.made_up import (
     FULL,
     GOOD,

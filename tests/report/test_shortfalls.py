@@ -4,8 +4,8 @@ from dataclasses import replace
 
 from pipeline.evaluation.experiment import Step
 from pipeline.evaluation.outcomes import Outcome
-from pipeline.policies.strategies import Strategy
 from pipeline.report.shortfalls import falls_short
+from pipeline.rollout.strategies import Strategy
 from tests.evaluation.made_up import FULL, experiment
 
 

@@ -11,8 +11,8 @@ from pipeline.evaluation.comparison import Cell, estimate
 from pipeline.evaluation.experiment import RUNS, VARIANTS, Experiment, Step
 from pipeline.evaluation.metrics_file import SafetyQuality
 from pipeline.evaluation.wording import laps
-from pipeline.policies.strategies import Strategy
 from pipeline.report.material import ErrorShares
+from pipeline.rollout.strategies import Strategy
 from tests.evaluation.made_up import (
     FULL,
     GOOD,

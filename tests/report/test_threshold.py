@@ -7,8 +7,8 @@ from pathlib import Path
 import pytest
 
 from pipeline.evaluation.comparison import Cell, estimate
-from pipeline.policies.strategies import Strategy
 from pipeline.report.threshold import RUN, read_thresholds
+from pipeline.rollout.strategies import Strategy
 from tests.evaluation.sample import drives, write_run
 
 TAUS = {"tau_000625": 0.000625, "tau_01": 0.01, "tau_04": 0.04}

@@ -1,0 +1,43 @@
+"""The ten hidden variables of Appendix A, for our car."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pipeline.driving.cars import Cars
+from pipeline.driving.tracks import LANE_WIDTH, Track
+from pipeline.driving.traffic import SENSOR_RANGE, along_road, gap_ahead, reaches
+
+FULL_ANGLE = 0.5  # [rad] between car and lane that reads 1.0
+
+
+def affordances(cars: Cars, track: Track) -> NDArray[np.float32]:
+    """[10], in the order of Appendix A.
+
+    Lane to the left, lane to the right, car in front in the left, same and right lane: 0 or 1.
+    Distance to each of these cars: [m] bumper to bumper, 0 to SENSOR_RANGE, which it reads where
+    there is none. Position in the lane: -1 (right line) to 1 (left line). Angle to the lane: -1 to
+    1, where 1 is FULL_ANGLE to the left.
+    """
+    lane = int(track.lane_of(cars.d[:1])[0])
+    lanes = [lane - 1, lane, lane + 1]
+    along = along_road(cars, track)[:1]
+    gaps = [
+        gap_ahead(along, reaches(cars.d, track.lane_centres[i : i + 1]))[0]
+        if 0 <= i < track.lanes
+        else SENSOR_RANGE
+        for i in lanes
+    ]
+    position = (cars.d[0] - track.lane_centres[lane]) / (0.5 * LANE_WIDTH)
+    return np.array(
+        [
+            lane > 0,
+            lane < track.lanes - 1,
+            *(gap < SENSOR_RANGE for gap in gaps),
+            *gaps,
+            np.clip(position, -1.0, 1.0),
+            np.clip(cars.angle(track)[0] / FULL_ANGLE, -1.0, 1.0),
+        ],
+        dtype=np.float32,
+    )

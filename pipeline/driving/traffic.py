@@ -1,0 +1,76 @@
+"""What a car has around it, and where traffic starts."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pipeline.driving.cars import LENGTH, WIDTH, Cars, place
+from pipeline.driving.tracks import LANE_WIDTH, Track
+
+SENSOR_RANGE = 60.0  # [m] bumper to bumper: a distance with no car within it reads SENSOR_RANGE
+SPEED_LIMIT = 20.0  # [m/s], 45 mph: our car's
+TRAFFIC_SPEEDS = (10.0, 16.0)  # [m/s] low and high limit of the traffic cars
+SLOT = 16.0  # [m] of lane that a car needs at the start
+LANE_MARGIN = 0.4  # [m] that a car may reach over a line before it counts as in the next lane too
+
+
+def along_road(cars: Cars, track: Track) -> NDArray[np.float64]:
+    """[N, N] (m) along the road from car i's centre to car j's, within half a lap; a car is
+    infinitely far from itself.
+    """
+    along = cars.s[None, :] - cars.s[:, None]
+    along = np.remainder(along + track.length / 2, track.length) - track.length / 2
+    np.fill_diagonal(along, np.inf)
+    return along
+
+
+def gap_ahead(along: NDArray[np.float64], relevant: NDArray[np.bool_]) -> NDArray[np.float64]:
+    """[N] (m) bumper to bumper to the nearest `relevant` [N, N] car in front, from 0 to
+    SENSOR_RANGE.
+    """
+    gaps = np.where(relevant & (along > 0), along - LENGTH, np.inf)
+    return np.clip(np.min(gaps, axis=1), 0.0, SENSOR_RANGE)
+
+
+def reaches(d: NDArray[np.float64], centre: NDArray[np.float64]) -> NDArray[np.bool_]:
+    """[N, M]: whether car j at lateral position `d` [M] (m) reaches into the lane around `centre`
+    [N] (m).
+    """
+    return np.abs(d[None, :] - centre[:, None]) < 0.5 * (LANE_WIDTH + WIDTH) - LANE_MARGIN
+
+
+def check_room(track: Track, traffic: int) -> None:
+    """Raise ValueError unless `traffic` cars besides ours find room at the start."""
+    room = int(track.length / SLOT) * track.lanes
+    if not 0 <= traffic < room:
+        raise ValueError(
+            f"traffic is {traffic}, expected 0 to {room - 1} cars on track {track.name}"
+        )
+
+
+def start(
+    track: Track, traffic: int, spread: tuple[float, float], rng: np.random.Generator
+) -> Cars:
+    """Our car and `traffic` others at random, in lanes, none inside another.
+
+    `spread` is the standard deviation of our own lateral offset [m] and angle [rad] (the paper's
+    S_0); the others start centred.
+
+    Raises:
+        ValueError: the track has no room for so many cars.
+    """
+    check_room(track, traffic)
+    along = int(track.length / SLOT)
+    slots = rng.permutation(along * track.lanes)[: traffic + 1]
+    play = track.length / along - LENGTH - 2.0
+    s = (slots // track.lanes) * track.length / along + rng.uniform(0, play, traffic + 1)
+    d = track.lane_centres[slots % track.lanes].copy()
+    angle = np.zeros(traffic + 1)
+    offset, angle[0] = rng.normal(0, spread[0]), np.clip(rng.normal(0, spread[1]), -0.3, 0.3)
+    reach = 0.5 * (LENGTH * np.abs(np.sin(angle[0])) + WIDTH * np.cos(angle[0]))
+    beside = LANE_WIDTH - 0.5 * WIDTH - 0.1 - reach  # [m] to a car in the next lane, but for 10 cm
+    d[0] += np.clip(offset, -beside, beside)
+    limit = rng.uniform(*TRAFFIC_SPEEDS, traffic + 1)
+    limit[0] = SPEED_LIMIT
+    return place(track, s, d, angle, limit)

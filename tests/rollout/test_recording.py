@@ -1,0 +1,206 @@
+from dataclasses import replace
+from itertools import count
+
+import numpy as np
+import pytest
+import torch
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from pipeline.data.schema import Asked
+from pipeline.driving.features import CAMERA
+from pipeline.policies.inference import Driver
+from pipeline.policies.network import PrimaryNetwork, SafetyNetwork, feature_size
+from pipeline.rollout.recording import (
+    Drive,
+    Recording,
+    in_order,
+    record,
+    record_all,
+    until_queries,
+)
+from pipeline.rollout.strategies import Rule, Strategy
+from tests.episodes import random_episode
+
+PLAN = Drive(
+    track="alder",
+    traffic=3,
+    spread=(0.3, 0.05),
+    seed=(0, 0, 0),
+    rule=Rule(Strategy.SAFE, cut=0.5),
+    record_every=3,
+    seconds=1.0,
+)
+
+
+def driver() -> Driver:
+    generator = torch.Generator().manual_seed(0)
+    primary = PrimaryNetwork(2, generator=generator)
+    safety = SafetyNetwork(feature_size(2), 4, generator=generator)
+    return Driver(primary, safety, brake_cut=0.5)
+
+
+def recordings(lengths: list[int], seed: int) -> list[Recording]:
+    rng = np.random.default_rng(seed)
+    episodes = [random_episode(rng, length, iteration=1) for length in lengths]
+    return [
+        Recording(
+            episode,
+            np.zeros((len(episode), 2), np.float32),
+            distance=np.arange(len(episode)) + 1.0,
+            touches=np.arange(len(episode)) // 3,
+        )
+        for episode in episodes
+    ]
+
+
+@given(
+    st.lists(st.integers(1, 12), min_size=1, max_size=5),
+    st.integers(1, 30),
+    st.integers(1, 60),
+    st.integers(0, 9),
+)
+@settings(max_examples=30, deadline=None)
+def test_a_budget_is_spent_and_never_overdrawn(
+    lengths: list[int], queries: int, frames: int, seed: int
+) -> None:
+    whole = recordings(lengths, seed)
+    kept = list(until_queries(whole, queries, frames))
+    asked, driven = sum(r.queries for r in kept), sum(len(r.episode) for r in kept)
+    assert asked == queries or driven == frames or driven == sum(lengths)
+    assert asked <= queries and driven <= frames
+    for cut_short, original in zip(kept, whole, strict=False):
+        length = len(cut_short.episode)
+        assert np.array_equal(
+            cut_short.episode.columns[CAMERA], original.episode.columns[CAMERA][:length]
+        )
+        if length < len(original.episode):
+            ending = cut_short.episode.ending
+            assert ending is not None and ending["ended"] == "budget spent"
+            assert (ending["frames"], ending["distance_m"]) == (length, float(length))
+            assert (ending["touches"], ending["put_back"]) == ((length - 1) // 3, 0)
+
+
+def test_the_result_does_not_depend_on_the_number_of_workers() -> None:
+    jobs = [(replace(PLAN, seed=(0, 0, n)), driver(), 1, n) for n in range(3)]
+    alone, together = (list(in_order(record, jobs, workers)) for workers in (1, 2))
+    for a, b in zip(alone, together, strict=True):
+        assert a.reference_actions.tobytes() == b.reference_actions.tobytes()
+        for name, values in a.episode.columns.items():
+            assert values.tobytes() == b.episode.columns[name].tobytes(), name
+
+
+def test_drives_go_around_the_tracks_each_with_a_seed_of_its_own() -> None:
+    plan = replace(PLAN, seed=(7, 1), seconds=0.2)
+    drives = record_all(plan, ["alder", "yew"], [0, 1, 2], driver(), iteration=4, workers=1)
+    for number, recording in enumerate(drives):
+        expected = replace(plan, track=["alder", "yew"][number % 2], seed=(7, 1, number))
+        again = record(expected, driver(), 4, number)
+        assert recording.episode.task == expected.task
+        for name, values in again.episode.columns.items():
+            assert values.tobytes() == recording.episode.columns[name].tobytes(), name
+
+
+def test_an_unknown_track_is_refused_before_anything_is_driven() -> None:
+    with pytest.raises(ValueError, match="'nowhere': expected one of"):
+        record_all(PLAN, ["alder", "nowhere"], count(), driver(), iteration=1, workers=1)
+
+
+@pytest.mark.parametrize(("cut", "drives"), [(0.0, False), (1.0, True)])
+def test_below_the_cut_the_reference_drives_and_is_asked(cut: float, drives: bool) -> None:
+    recording = record(replace(PLAN, rule=Rule(Strategy.SAFE, cut=cut)), driver(), 1, 0)
+    columns = recording.episode.columns
+    assert np.all(columns["intervention"] == drives)
+    assert np.all(columns["queried"] == drives)
+    assert np.all(np.isnan(columns["deviation"]) != drives)
+    if drives:
+        assert np.allclose(
+            columns["deviation"][:, 0],
+            (columns["action"][:, 0] - columns["primary_action"][:, 0]) ** 2,
+        )
+    else:
+        assert np.array_equal(columns["action"], columns["primary_action"])
+
+
+def test_a_dataset_never_tells_what_nobody_paid_for() -> None:
+    columns = record(replace(PLAN, rule=Rule(Strategy.NAIVE)), driver(), 1, 0).episode.columns
+    assert not columns["queried"].any()
+    assert np.isnan(columns["deviation"]).all()
+
+
+@pytest.mark.parametrize(
+    ("rule", "reasons"),
+    [
+        (Rule(Strategy.REFERENCE), {Asked.DROVE}),
+        (Rule(Strategy.SAFE, cut=1.0), {Asked.DROVE}),
+        (Rule(Strategy.SAFE, cut=0.0), {Asked.NOT}),
+        (Rule(Strategy.MIXTURE, beta=0.5), {Asked.DROVE, Asked.MIXTURE}),
+    ],
+)
+def test_it_says_why_the_reference_was_asked(rule: Rule, reasons: set[Asked]) -> None:
+    columns = record(replace(PLAN, rule=rule), driver(), 1, 0).episode.columns
+    because, probability = columns["asked_because"][:, 0], columns["ask_probability"][:, 0]
+    assert set(because.tolist()) == reasons
+    drove = columns["intervention"][:, 0]
+    assert np.array_equal(because == Asked.DROVE, drove)
+    assert np.array_equal(because != Asked.NOT, columns["queried"][:, 0])
+    assert np.array_equal(probability, columns["queried"][:, 0])
+
+
+@pytest.mark.parametrize(
+    ("change", "ended", "put_back"),
+    [
+        ({"seconds": 1.0}, "out of time", 0),
+        ({"laps": 0.01, "seconds": 30.0}, "laps done", 0),
+        ({"rule": Rule(Strategy.NAIVE), "seconds": 60.0}, "road left", 1),
+    ],
+)
+def test_a_drive_says_how_it_ended(change: dict, ended: str, put_back: int) -> None:
+    """An untrained primary does not steer."""
+    plan = replace(PLAN, **({"rule": Rule(Strategy.REFERENCE)} | change))
+    driven = record(plan, driver(), 1, 7)
+    ending = driven.episode.ending
+    assert ending is not None
+    assert (ending["ended"], ending["put_back"]) == (ended, put_back)
+    assert (ending["episode"], ending["task"]) == (7, plan.task)
+    assert ending["frames"] == len(driven.episode) == len(driven.distance)
+    x, y = driven.episode.columns["vehicle_state"][[0, -1], :2].T
+    assert ending["distance_m"] > 0.9 * np.hypot(np.diff(x), np.diff(y))[0]
+
+
+@pytest.mark.parametrize("beta", [0.0, 0.5, 1.0])
+def test_a_mixture_asks_about_every_frame_and_drives_some(beta: float) -> None:
+    """Dagger: all that is collected is a query (Sec. 2.6), whoever drove."""
+    recording = record(replace(PLAN, rule=Rule(Strategy.MIXTURE, beta=beta)), driver(), 1, 0)
+    columns = recording.episode.columns
+    assert recording.queries == len(recording.episode)
+    assert np.array_equal(columns["action"], recording.reference_actions)
+    assert not np.isnan(columns["deviation"]).any()
+    share = columns["intervention"].mean()
+    assert share == beta if beta in (0.0, 1.0) else 0 < share < 1
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        {"track": "nowhere"},
+        {"traffic": -1},
+        {"traffic": 10_000},
+        {"seconds": 0.0},
+        {"seconds": float("nan")},
+        {"laps": -1.0},
+        {"record_every": 7},
+        {"spread": (-0.1, 0.0)},
+    ],
+)
+def test_nonsense_is_refused_before_driving(change: dict) -> None:
+    with pytest.raises(ValueError, match=r"expected"):
+        replace(PLAN, **change)
+
+
+def test_whoever_has_enough_stops_without_a_warning(recwarn: pytest.WarningsRecorder) -> None:
+    plans = (replace(PLAN, seconds=0.2, seed=(0, 0, n)) for n in count())
+    results = in_order(record, ((plan, driver(), 1, 0) for plan in plans), 2)
+    next(results)
+    results.close()
+    assert [str(warning.message) for warning in recwarn] == []
