@@ -2,6 +2,7 @@
 
 import os
 import sys
+from itertools import pairwise
 
 import typer
 from typer import TyperException
@@ -18,6 +19,7 @@ from stages import (
     inspect,
     ledger,
     merge,
+    options,
     report,
     rollout,
     rollout_dagger,
@@ -28,13 +30,7 @@ from stages import (
     watch,
 )
 
-app = typer.Typer(
-    no_args_is_help=True,
-    add_completion=False,
-    rich_markup_mode=None,
-    help="SafeDAgger (Zhang & Cho 2016) on LeRobot datasets. Each command is one step of Algorithm 1.",
-)
-for stage in (
+STAGES = (
     collect,
     train_primary,
     train_safety,
@@ -54,9 +50,7 @@ for stage in (
     compare,
     compare_policies,
     watch,
-):
-    app.add_typer(stage.app)
-
+)
 
 ENVIRONMENT = {
     # Commands work on this disk alone: else LeRobot answers a mistyped path by asking the network.
@@ -68,12 +62,46 @@ ENVIRONMENT = {
 """What the commands set for themselves, unless the user has. Libraries read it when first imported."""
 
 
+def commands(typed: list[str]) -> typer.Typer:
+    """All commands; those that drive take the settings of the task that is `typed`.
+
+    Raises:
+        ValueError: there is no such task.
+    """
+    from pipeline.task import load_task  # imports NumPy
+
+    app = typer.Typer(
+        no_args_is_help=True,
+        add_completion=False,
+        rich_markup_mode=None,
+        help="SafeDAgger (Zhang & Cho 2016) on LeRobot datasets. Each command is one step of Algorithm 1.",
+    )
+    for stage in STAGES:
+        for command in stage.app.registered_commands:
+            callback = command.callback
+            assert callback is not None
+            if getattr(callback, "takes_a_task", False):
+                callback = options.for_task(callback, load_task(_task(typed)))
+            app.command()(callback)
+    return app
+
+
+def _task(typed: list[str]) -> str:
+    """The task that a command line names, which says what else it may hold."""
+    for word, following in pairwise([*typed, ""]):
+        if word == "--task":
+            return following
+        if word.startswith("--task="):
+            return word.partition("=")[2]
+    return "driving"
+
+
 def main() -> None:
     """Run a stage. Bad input is one line on stderr and exit code 2, a fault of the machine code 1."""
     for name, value in ENVIRONMENT.items():
         os.environ.setdefault(name, value)
     try:
-        code = app(prog_name="safedagger", standalone_mode=False)
+        code = commands(sys.argv[1:])(prog_name="safedagger", standalone_mode=False)
     except TyperException as error:
         _end(error.format_message(), 2)
     except (ValueError, FileNotFoundError, FileExistsError, NotADirectoryError) as error:

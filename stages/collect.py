@@ -13,6 +13,7 @@ from stages import options
 
 if TYPE_CHECKING:
     from pipeline.data.schema import Episode
+    from pipeline.task import Task
 
 app = typer.Typer()
 
@@ -27,16 +28,12 @@ class Purpose(StrEnum):
 
 
 @app.command()
+@options.task_options
 def collect(
     context: typer.Context,
     output: options.Output,
-    tracks: options.Tracks,
-    traffic: options.Traffic,
+    task: "Task",
     episodes: Annotated[int, typer.Option(min=1, help="Drives, spread evenly over the tracks.")],
-    seconds: options.Seconds,
-    offset_spread: options.OffsetSpread,
-    angle_spread: options.AngleSpread,
-    record_every: options.RecordEvery,
     purpose: Annotated[
         Purpose, typer.Option(help="Which random numbers to draw: no two purposes share any.")
     ],
@@ -50,23 +47,22 @@ def collect(
     """
     from pipeline.data.lineage import Recipe
     from pipeline.data.writing import write_dataset
-    from pipeline.driving.features import ROBOT_TYPE, check_record_every
     from pipeline.output import check_place
-    from pipeline.rollout.recording import SEED_STREAMS, Drive, record_all
-    from pipeline.rollout.strategies import Rule, Strategy
+    from pipeline.rollout.plans import SEED_STREAMS
+    from pipeline.rollout.recording import record_all
+    from pipeline.rollout.rules.reference import Reference
 
     check_place(output)
-    names = options.names(tracks)
-    plan = Drive(
-        track=names[0],
-        traffic=traffic,
-        spread=(offset_spread, angle_spread),
+    drives = record_all(
+        task,
+        Reference(),
+        None,
+        range(episodes),
         seed=(seed, SEED_STREAMS[purpose] + iteration),
-        rule=Rule(Strategy.REFERENCE),
-        record_every=record_every,
-        seconds=seconds,
+        iteration=iteration,
+        workers=workers,
+        measure=False,
     )
-    drives = record_all(plan, names, range(episodes), None, iteration=iteration, workers=workers)
 
     def driven() -> Iterator["Episode"]:
         with options.progress("collecting", episodes) as advance_to:
@@ -75,5 +71,4 @@ def collect(
                 advance_to(done)
 
     recipe = Recipe(purpose.value, options.arguments(context))
-    fps = check_record_every(record_every)
-    typer.echo(write_dataset(output, driven(), recipe, fps=fps, robot=ROBOT_TYPE))
+    typer.echo(write_dataset(output, driven(), recipe, fps=task.fps, robot=task.robot))

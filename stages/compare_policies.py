@@ -1,6 +1,5 @@
 """See two policies side by side: the same road, start and traffic, driven by each."""
 
-from dataclasses import replace
 from pathlib import Path
 from typing import Annotated
 
@@ -31,7 +30,7 @@ def compare_policies(
 
     From the same start, among the same cars.
     """
-    from pipeline.driving.features import CONTROL_HZ
+    from pipeline.driving.task import Driving
     from pipeline.driving.tracks import make_track
     from pipeline.inspection.footage import Footage
     from pipeline.inspection.live import Tally, watched
@@ -40,30 +39,28 @@ def compare_policies(
     from pipeline.inspection.rerun_log import log_pair
     from pipeline.policies.inference import Driver
     from pipeline.rollout.judgement import Judgement
-    from pipeline.rollout.recording import Drive
-    from pipeline.rollout.rules import driving_rule
-    from pipeline.rollout.strategies import Rule, parse_driving
+    from pipeline.rollout.plans import Plan
+    from pipeline.rollout.strategies import parse_driving
 
-    plan = Drive(
-        track=track,
+    how = parse_driving(strategy)
+    task = Driving(
+        tracks=track,
         traffic=traffic,
-        spread=(0.0, 0.0),
-        seed=(seed,),
-        rule=Rule(parse_driving(strategy)),
         record_every=record_every,
         seconds=seconds,
     )
     sides = [
-        (Driver.load(primary, safety), driving_rule(safety, plan.rule.strategy, cut))
+        (Driver.load(primary, safety), Judgement.read(safety, cut))
         for primary, safety in ((primary_a, safety_a), (primary_b, safety_b))
     ]
-    fps = CONTROL_HZ // record_every
+    fps = task.fps
     with options.rerun_sink(save, web, pair_blueprint(fps)) as sink:
         drives, tallies = [], []
         with options.progress("driving", 2 * seconds) as advance_to:
-            for number, (driver, rule) in enumerate(sides):
+            for number, (driver, judgement) in enumerate(sides):
                 frames, tally = [], Tally()
-                for world, footage in watched(replace(plan, rule=rule), driver):
+                plan = Plan(task, track, judgement.rule(how), (seed,))
+                for world, footage in watched(plan, driver, judgement):
                     tally.add(world, footage)
                     frames.append(footage)
                     advance_to(number * seconds + len(frames) / fps)
@@ -74,11 +71,11 @@ def compare_policies(
         ):
             typer.echo(f"{name}: {tally}")
         pair = Pair(
-            f"{strategy}, {plan.task}, seed {seed}: a is {primary_a.name}, b is {primary_b.name}",
+            f"{strategy}, {plan.description}, seed {seed}: a is {primary_a.name}, b is {primary_b.name}",
             f"{track}/{strategy}/{seed}/{primary_a.name}/{primary_b.name}",
             make_track(track),
             drives[0],
             drives[1],
-            (Judgement.of_rule(sides[0][1]), Judgement.of_rule(sides[1][1])),
+            (sides[0][1], sides[1][1]),
         )
         log_pair(pair, sink.connect, fps=fps)

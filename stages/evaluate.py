@@ -32,6 +32,7 @@ def evaluate(
     cut: options.Cut = None,
 ) -> None:
     """Evaluate policies by driving strategies (Section 4.4)."""
+    from pipeline.driving.task import Driving
     from pipeline.evaluation.driving import evaluate as evaluate_drive
     from pipeline.evaluation.driving import plans
     from pipeline.evaluation.outcomes import write_outcomes
@@ -39,24 +40,22 @@ def evaluate(
     from pipeline.evaluation.writing import write_metrics
     from pipeline.output import check_place
     from pipeline.policies.inference import Driver
-    from pipeline.rollout.recording import in_order
-    from pipeline.rollout.rules import driving_rule
+    from pipeline.rollout.judgement import Judgement
     from pipeline.rollout.strategies import parse_driving
+    from pipeline.rollout.workers import in_order
 
     check_place(drives, metrics)
     driver = Driver.load(primary, safety)
-    planned = list(
-        plans(
-            [driving_rule(safety, parse_driving(name), cut) for name in options.names(strategies)],
-            options.names(tracks),
-            traffic,
-            starts,
-            record_every=record_every,
-            laps=laps,
-            seconds=seconds,
-            seed=seed,
-        )
+    judgement = Judgement.read(safety, cut)
+    task = Driving(
+        tracks=tracks,
+        traffic=traffic,
+        record_every=record_every,
+        laps=laps,
+        seconds=seconds,
     )
+    rules = [judgement.rule(parse_driving(name)) for name in options.names(strategies)]
+    planned = list(plans(task, rules, starts, seed=seed))
     outcomes = []
     with options.progress("driving", len(planned)) as advance_to:
         for outcome in in_order(

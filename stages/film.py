@@ -28,27 +28,27 @@ def film(
 
     Ten pictures a second.
     """
+    from pipeline.driving.task import Driving
     from pipeline.inspection.film import gif, shoot
     from pipeline.output import check_place, write_file
     from pipeline.policies.inference import Driver
-    from pipeline.rollout.recording import SEED_STREAMS, Drive
-    from pipeline.rollout.rules import driving_rule
+    from pipeline.rollout.judgement import Judgement
+    from pipeline.rollout.plans import SEED_STREAMS, Plan
     from pipeline.rollout.strategies import parse_driving
 
     check_place(output)
     if output.suffix != ".gif":
         raise ValueError(f"{output}: expected a name that ends in .gif")
     driver = Driver.load(primary, safety)
-    plan = Drive(
-        track=track,
+    task = Driving(
+        tracks=track,
         traffic=traffic,
-        spread=(0.0, 0.0),
-        seed=(seed, SEED_STREAMS["film"]),
-        rule=driving_rule(safety, parse_driving(strategy), cut),
         record_every=record_every,
-        seconds=seconds,
         laps=laps,
+        seconds=seconds,
     )
+    rule = Judgement.read(safety, cut).rule(parse_driving(strategy))
+    plan = Plan(task, track, rule, (seed, SEED_STREAMS["film"]))
     pictures = []
     with options.progress("driving", laps) as advance_to:
         for number, (picture, driven) in enumerate(shoot(plan, driver)):

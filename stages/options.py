@@ -1,8 +1,11 @@
 """Arguments that several stages share, and how stages show what they do."""
 
+import inspect
+import math
 import os
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager, suppress
+from dataclasses import MISSING
 from enum import StrEnum
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -13,6 +16,7 @@ if TYPE_CHECKING:
     from rerun.blueprint import Blueprint
 
     from pipeline.inspection.rerun_sinks import Sink
+    from pipeline.task import Task
 
 
 class OptimizerName(StrEnum):
@@ -83,10 +87,62 @@ Threads = Annotated[
 ]
 
 
+def task_options[Command: Callable[..., None]](command: Command) -> Command:
+    """Let a command that has a parameter `task` take the settings of a task as options of its own.
+
+    Which task, the command line says: `--task driving`, which is the default. So what a command
+    takes is known only when it is called, see `for_task`.
+    """
+    command.takes_a_task = True  # type: ignore[attr-defined]
+    return command
+
+
+def for_task(command: Callable[..., None], chosen: "type[Task]") -> Callable[..., None]:
+    """The same command, with `--task` and the settings of the `chosen` one in the place of `task`."""
+    from pipeline.task import TASKS, settings
+
+    own = settings(chosen)
+
+    def called(**given: Any) -> None:
+        del given["task"]
+        made = chosen(**{name: given.pop(name) for name in own})
+        command(task=made, **given)
+
+    def parameter(name: str, annotation: Any, default: Any) -> inspect.Parameter:
+        kind = inspect.Parameter.KEYWORD_ONLY
+        default = inspect.Parameter.empty if default is MISSING else default
+        return inspect.Parameter(name, kind, annotation=annotation, default=default)
+
+    which = Annotated[str, typer.Option(help=f"{', '.join(TASKS)}, or module:class.")]
+    of_task = [parameter("task", which, chosen.name)] + [
+        parameter(
+            name,
+            Annotated[kind, typer.Option(help=setting.help, min=setting.least)],
+            default,
+        )
+        for name, (kind, setting, default) in own.items()
+    ]
+    signature = inspect.signature(command)
+    parameters = [
+        each
+        for given in signature.parameters.values()
+        for each in (
+            of_task
+            if given.name == "task"
+            else [given.replace(kind=inspect.Parameter.KEYWORD_ONLY)]
+        )
+    ]
+    called.__signature__ = signature.replace(parameters=parameters)  # type: ignore[attr-defined]
+    called.__annotations__ = {each.name: each.annotation for each in parameters}
+    called.__name__, called.__doc__ = command.__name__, command.__doc__
+    return called
+
+
 def arguments(context: typer.Context) -> dict[str, Any]:
     """What a command was given that decides what it makes: no paths, no workers."""
     return {
-        name: value.value if isinstance(value, StrEnum) else value
+        # JSON knows no infinity: no limit at all
+        name: str(value) if isinstance(value, StrEnum) or value == math.inf else value
         for name, value in context.params.items()
         if value is not None and not isinstance(value, Path) and name != "workers"
     }

@@ -10,25 +10,22 @@ from stages import options
 
 if TYPE_CHECKING:
     from pipeline.data.schema import Episode
+    from pipeline.task import Task
 
 app = typer.Typer()
 
 
 @app.command()
+@options.task_options
 def rollout_dagger(
     context: typer.Context,
     primary: options.Primary,
     output: options.Output,
-    tracks: options.Tracks,
-    traffic: options.Traffic,
+    task: "Task",
     beta: Annotated[
         float, typer.Option(min=0, max=1, help="Probability that the reference drives a frame.")
     ],
     frames: Annotated[int, typer.Option(min=1, help="How many frames to drive: each is a query.")],
-    seconds: options.Seconds,
-    offset_spread: options.OffsetSpread,
-    angle_spread: options.AngleSpread,
-    record_every: options.RecordEvery,
     iteration: Annotated[int, typer.Option(min=1, help="The iteration that this is for.")],
     seed: options.Seed,
     workers: options.Workers,
@@ -36,26 +33,24 @@ def rollout_dagger(
     """Drive with DAgger's mixture, all labelled (Section 2.6)."""
     from pipeline.data.lineage import Recipe
     from pipeline.data.writing import write_dataset
-    from pipeline.driving.features import ROBOT_TYPE, check_record_every
     from pipeline.output import check_place
     from pipeline.policies.inference import Driver
     from pipeline.policies.loading import policy_lineage
-    from pipeline.rollout.recording import SEED_STREAMS, Drive, record_all, until_queries
-    from pipeline.rollout.strategies import Rule, Strategy
+    from pipeline.rollout.plans import SEED_STREAMS
+    from pipeline.rollout.recording import record_all, until_queries
+    from pipeline.rollout.rules.mixture import Mixture
 
     check_place(output)
-    names = options.names(tracks)
-    plan = Drive(
-        track=names[0],
-        traffic=traffic,
-        spread=(offset_spread, angle_spread),
+    drives = record_all(
+        task,
+        Mixture(beta),
+        Driver.load(primary),
+        count(),
         seed=(seed, SEED_STREAMS["rollout"] + iteration),
-        rule=Rule(Strategy.MIXTURE, beta=beta),
-        record_every=record_every,
-        seconds=seconds,
+        iteration=iteration,
+        workers=workers,
+        measure=False,
     )
-    driver = Driver.load(primary)
-    drives = record_all(plan, names, count(), driver, iteration=iteration, workers=workers)
 
     def driven() -> Iterator["Episode"]:
         asked = 0
@@ -66,5 +61,4 @@ def rollout_dagger(
                 advance_to(asked)
 
     recipe = Recipe("rollout-dagger", options.arguments(context), [policy_lineage(primary)])
-    fps = check_record_every(record_every)
-    typer.echo(write_dataset(output, driven(), recipe, fps=fps, robot=ROBOT_TYPE))
+    typer.echo(write_dataset(output, driven(), recipe, fps=task.fps, robot=task.robot))

@@ -40,7 +40,7 @@ def watch(
     web: options.Web = False,
 ) -> None:
     """Drive, and show it in Rerun meanwhile. Ctrl-C ends the drive."""
-    from pipeline.driving.features import CONTROL_HZ
+    from pipeline.driving.task import Driving as DrivingTask
     from pipeline.driving.tracks import make_track
     from pipeline.inspection.live import Tally, in_real_time, watched
     from pipeline.inspection.rerun_blueprints import live_blueprint
@@ -48,33 +48,31 @@ def watch(
     from pipeline.inspection.rerun_log import drive_tracer, new_recording
     from pipeline.policies.inference import Driver
     from pipeline.rollout.judgement import Judgement
-    from pipeline.rollout.recording import Drive
-    from pipeline.rollout.rules import driving_rule
-    from pipeline.rollout.strategies import Rule, Strategy
+    from pipeline.rollout.plans import Plan
+    from pipeline.rollout.rules.reference import Reference
+    from pipeline.rollout.rules.rule import Rule
+    from pipeline.rollout.strategies import Strategy
 
-    driver, rule, judgement = None, Rule(Strategy.REFERENCE), None
+    driver, judgement = None, None
+    rule: Rule = Reference()
     if primary is not None and safety is not None:
-        driver = Driver.load(primary, safety)
-        rule = driving_rule(safety, Strategy(strategy), cut)
-        judgement = Judgement.of_rule(rule)
+        driver, judgement = Driver.load(primary, safety), Judgement.read(safety, cut)
+        rule = judgement.rule(Strategy(strategy))
     elif primary is not None:
         raise typer.BadParameter(f"{primary} alone, expected its safety policy after it")
     elif strategy is not Driving.reference:
         raise typer.BadParameter(f"--strategy {strategy} needs a primary and its safety policy")
-    plan = Drive(
-        track=track,
+    task = DrivingTask(
+        tracks=track,
         traffic=traffic,
-        spread=(0.0, 0.0),
-        seed=(seed,),
-        rule=rule,
         record_every=record_every,
         seconds=seconds,
     )
-    fps = CONTROL_HZ // record_every
-    frames = watched(plan, driver)
+    plan, fps = Plan(task, track, rule, (seed,)), task.fps
+    frames = watched(plan, driver, judgement)
     tally = Tally()
     with options.rerun_sink(save, web, live_blueprint(fps)) as sink:
-        name, title = f"{track}/{strategy}/{seed}", f"{strategy}, {plan.task}, seed {seed}"
+        name, title = f"{track}/{strategy}/{seed}", f"{strategy}, {plan.description}, seed {seed}"
         with new_recording(name, title, make_track(track), sink.connect) as recording:
             tracer = drive_tracer(recording, fps=fps, judgement=judgement, camera=RAW)
             with suppress(KeyboardInterrupt):

@@ -18,7 +18,7 @@ HEAVY = ("torch", "lerobot", "pybullet", "gymnasium", "datasets", "pandas", "sci
 
 # Imports run one way (design.md, section 3): a package, and those of ours that it may import.
 MAY_IMPORT = {
-    "pipeline": {"pipeline"},
+    "pipeline": {"pipeline", "pipeline.data"},  # pipeline.task, the seam to a world
     "pipeline.data": {"pipeline"},
     "pipeline.driving": {"pipeline", "pipeline.data"},
     "pipeline.policies": {"pipeline", "pipeline.data", "pipeline.driving"},
@@ -43,6 +43,7 @@ MAY_IMPORT = {
     "pipeline.report": {
         "pipeline",
         "pipeline.data",
+        "pipeline.driving",
         "pipeline.rollout",
         "pipeline.evaluation",
         "pipeline.claims",

@@ -21,21 +21,23 @@ def quickstart(
     if primary is None:
         return "The primary that it watches is not known, so there is nothing to drive."
     paths = ", ".join(f'Path("{path}")' for path in (primary, safety) if path)
-    rule = f"SAFE, cut={policy.config['cut']}" if safety else "NAIVE"
+    rule = f"safe.Safe({policy.config['cut']})" if safety else "naive.Naive()"
     strategy = Strategy.SAFE if safety else Strategy.NAIVE
     track = next(iter(TEST))
     kind, name = ("safety", "SafetyPolicy") if safety else ("primary", "PrimaryPolicy")
     return f"""```python
 from pathlib import Path
-from pipeline.policies import inference
-from pipeline.rollout import recording, strategies
+from pipeline.driving.task import Driving
+from pipeline.policies.inference import Driver
+from pipeline.rollout import plans
+from pipeline.rollout.rules import naive, safe
 
-driver = inference.Driver.load({paths})
-rule = strategies.Rule(strategies.Strategy.{rule})
-plan = recording.Drive("{track}", {_TRAFFIC}, (0, 0), (0,), rule, record_every={record_every}, \
+driver = Driver.load({paths})
+task = Driving(tracks="{track}", traffic={_TRAFFIC}, record_every={record_every}, \
 seconds={_SECONDS})
-for world, frame in recording.driven(plan, driver):
-    print(f"{{world.laps:.3f}} laps", "reference" if frame.intervention else "primary")
+plan = plans.Plan(task, "{track}", {rule}, (0,))
+for _, frame in plans.driven(plan, driver):
+    print(f"{{frame.outcome['laps']:.3f}} laps", "reference" if frame.intervention else "primary")
 ```
 
 In a checkout of the project, with its environment active. It drives by the {strategy} strategy, on the test track

@@ -1,4 +1,4 @@
-"""The world as a Gymnasium environment, for whoever has a learner of their own.
+"""The driving world as a Gymnasium environment: for our closed loop, and for any other learner.
 
 Importing this module registers it:
 
@@ -7,37 +7,39 @@ Importing this module registers it:
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from typing import Any, cast
+from typing import Any
 
 import gymnasium
 import numpy as np
-from gymnasium.envs.registration import load_env_creator
+from gymnasium.spaces import Box, Dict
 from numpy.typing import NDArray
 
-from pipeline.driving.cars import Cars
-from pipeline.driving.features import AFFORDANCES, CONTROL_HZ, IMAGE_SHAPE
-from pipeline.driving.tracks import Track, make_track
+from pipeline.driving.features import CONTROL_HZ, IMAGE_SHAPE, STANDSTILL, check_record_every
+from pipeline.driving.reference import reference_actions
+from pipeline.driving.tracks import make_track
 from pipeline.driving.traffic import check_room
 from pipeline.driving.world import World
+from pipeline.environment import Action, Environment, Observation
 
-Actions = NDArray[np.floating]
-TrafficDriver = Callable[[Cars, Track], Actions]
+MOVING = 0.5  # [m/s] that count as such
+
+Step = tuple[Observation, float, bool, bool, dict[str, Any]]
 
 
-class DrivingEnv(gymnasium.Env[NDArray[np.uint8], Actions]):
-    """Drive car 0 with the front camera; one step is one control step of 1/CONTROL_HZ s.
+class DrivingEnv(Environment):
+    """Drive car 0 with the front camera, among cars that the reference drives.
 
-    Observation: uint8 [72, 160, 3], RGB. Action: float32 [2], steering in [-1, 1], where 1 is full
-    lock to the left, and brake, on above 0.5.
+    Observation: {"pixels": {"front": uint8 [72, 160, 3]}}, RGB. Action: float32 [2], steering in
+    [-1, 1], where 1 is full lock to the left, and brake, on above 0.5. It is held for the
+    `record_every` control steps of 1/30 s of a frame, to the end, even off the road.
 
-    The reward is the paper's implicit one (Sec. 2.1) as far as it can be told step by step: -1 at
+    The reward is the paper's implicit one (Sec. 2.1) as far as it can be told frame by frame: -1 at
     the first failure, which is leaving the road or touching another car, and 0 everywhere else. So
     the return of an episode is r - 1, with r = 1 for a drive without a crash and 0 for any other.
 
-    An episode is terminated when the road is left, and truncated after `laps` or `max_seconds`.
-    `info` holds what no camera sees: every affordance by name, `laps`, `damage` [m^2/s^2],
-    `off_road`, `speed` [m/s], and the car's place on the track, `s` [m], `d` [m], `angle` [rad].
+    An episode is terminated when the road is left, and truncated after `laps`, ten seconds of
+    standing still, or `seconds`. For `info` see `Environment`; hidden are "affordances" [10] and
+    "vehicle_state" [4].
     """
 
     metadata = {"render_modes": ["rgb_array"], "render_fps": CONTROL_HZ}  # noqa: RUF012
@@ -45,97 +47,126 @@ class DrivingEnv(gymnasium.Env[NDArray[np.uint8], Actions]):
     def __init__(
         self,
         *,
-        traffic_driver: TrafficDriver | str,
         track: str = "alder",
         traffic: int = 0,
         spread: tuple[float, float] = (0.3, 0.05),
+        record_every: int = 1,
         laps: float = 3.0,
-        max_seconds: float = 300.0,
+        seconds: float = 300.0,
         render_mode: str | None = None,
     ) -> None:
         """A track by its name, with `traffic` other cars.
 
-        Our car starts off its lane by `spread` (standard deviations in m and rad). `traffic_driver`
-        gives the actions [N, 2] of all cars, of which ours is ignored; it may be given as
-        "module:attribute", since the policies that could drive know this package, not it them.
+        Our car starts off its lane by `spread` (standard deviations in m and rad).
 
         Raises:
             ValueError: unknown track, no room for so many cars, or a time or distance of 0.
         """
-        if laps <= 0 or max_seconds <= 0:
-            raise ValueError(f"laps {laps}, max_seconds {max_seconds}: expected more than 0")
-        self.observation_space = gymnasium.spaces.Box(0, 255, IMAGE_SHAPE, np.uint8)
-        self.action_space = gymnasium.spaces.Box(
-            np.array([-1, 0], np.float32), np.array([1, 1], np.float32)
+        if laps <= 0 or seconds <= 0:
+            raise ValueError(f"laps {laps}, seconds {seconds}: expected more than 0")
+        self.observation_space = Dict(
+            {"pixels": Dict({"front": Box(0, 255, IMAGE_SHAPE, np.uint8)})}
         )
+        self.action_space = Box(np.array([-1, 0], np.float32), np.array([1, 1], np.float32))
         self.render_mode = render_mode
+        self.metadata = {**self.metadata, "render_fps": check_record_every(record_every)}
         self._track = make_track(track)
         check_room(self._track, traffic)
-        self._traffic = traffic
-        if isinstance(traffic_driver, str):
-            traffic_driver = cast(TrafficDriver, load_env_creator(traffic_driver))
-        self._driver = traffic_driver
-        self._spread = spread
-        self._laps = laps
-        self._max_steps = round(max_seconds * CONTROL_HZ)
-        self._steps = 0
+        self._traffic, self._spread = traffic, spread
+        self._record_every, self._laps = record_every, laps
+        self._most_frames = int(seconds * CONTROL_HZ / record_every)
+        self._frames = 0
+        self._standing = 0.0
         self._failed = False
-        self.world: World | None = None
-        """the true state; None before the first reset"""
+        self._actions: NDArray[np.float32] = np.zeros((0, 2), np.float32)
+        """[N, 2], what the reference would do in each car's place now"""
+        self._world: World | None = None
+
+    @property
+    def world(self) -> World:
+        """The true state.
+
+        Raises:
+            gymnasium.error.ResetNeeded: before the first reset.
+        """
+        if self._world is None:
+            raise gymnasium.error.ResetNeeded("reset() starts a drive, and must come first")
+        return self._world
 
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
-    ) -> tuple[NDArray[np.uint8], dict[str, Any]]:
+    ) -> tuple[Observation, dict[str, Any]]:
         """Start a new drive at random. Equal seeds give equal drives, bit for bit."""
         super().reset(seed=seed)
         self.close()
-        self.world = World(self._track, self._traffic, self._spread, self.np_random)
-        self._steps, self._failed = 0, False
-        return self.world.image(), self._info(self.world)
+        self._world = World(self._track, self._traffic, self._spread, self.np_random)
+        self._frames, self._standing, self._failed = 0, 0.0, False
+        self._actions = reference_actions(self._world.cars, self._track)
+        return self._observation(), self._info(None)
 
-    def step(self, action: Actions) -> tuple[NDArray[np.uint8], float, bool, bool, dict[str, Any]]:
-        """Advance by one control step."""
-        world = self._started()
-        actions = self._driver(world.cars, world.track)
-        actions[0] = action
-        world.step(actions)
-        self._steps += 1
+    def step(self, action: Action) -> Step:
+        """Drive one frame."""
+        world = self.world
+        for _ in range(self._record_every):
+            self._actions[0] = action
+            world.step(self._actions)
+            self._actions = reference_actions(world.cars, self._track)
+        self._frames += 1
+        moving = world.cars.speed[0] >= MOVING
+        self._standing = 0.0 if moving else self._standing + self._record_every / CONTROL_HZ
         failed = world.off_road or world.damage > 0
         reward = -1.0 if failed and not self._failed else 0.0
         self._failed = failed
-        truncated = world.laps >= self._laps or self._steps >= self._max_steps
-        return world.image(), reward, world.off_road, truncated, self._info(world)
+        ended = self._ended()
+        over = ended is not None and not world.off_road
+        return self._observation(), reward, world.off_road, over, self._info(ended)
+
+    def label(self) -> Action:
+        """The reference's steering and brake, [2]."""
+        return self._actions[0].copy()
+
+    def look_up(self) -> Action:
+        """The same: the simulator knows it at any time."""
+        return self._actions[0].copy()
+
+    def outcome(self) -> dict[str, float]:
+        """Laps and metres driven (negative: backwards), damage [m^2/s^2], touches, off the road."""
+        world = self.world
+        return {
+            "laps": world.laps,
+            "distance_m": world.distance,
+            "damage": world.damage,
+            "touches": world.touches,
+            "off_road": world.off_road,
+        }
 
     def render(self) -> NDArray[np.uint8] | None:
         """What the camera sees, uint8 [72, 160, 3], in render mode "rgb_array"."""
-        return self._started().image() if self.render_mode == "rgb_array" else None
+        return self.world.image() if self.render_mode == "rgb_array" else None
 
     def close(self) -> None:
         """Free the PyBullet client."""
-        if self.world is not None:
-            self.world.scene.close()
-            self.world = None
+        if self._world is not None:
+            self._world.scene.close()
+            self._world = None
 
-    def _started(self) -> World:
-        if self.world is None:
-            raise gymnasium.error.ResetNeeded("reset() starts a drive, and must come first")
-        return self.world
+    def _ended(self) -> str | None:
+        if self.world.off_road:
+            return "road left"
+        if self.world.laps >= self._laps:
+            return "laps done"
+        if self._standing >= STANDSTILL:
+            return "stood still"
+        return "out of time" if self._frames >= self._most_frames else None
 
-    def _info(self, world: World) -> dict[str, Any]:
-        return {
-            **dict(zip(AFFORDANCES, world.affordances().tolist(), strict=True)),
-            "laps": world.laps,
-            "damage": world.damage,
-            "off_road": world.off_road,
-            "speed": float(world.cars.speed[0]),
-            "s": float(world.cars.s[0]),
-            "d": float(world.cars.d[0]),
-            "angle": float(world.cars.angle(world.track)[0]),
-        }
+    def _observation(self) -> Observation:
+        return {"pixels": {"front": self.world.image()}}
+
+    def _info(self, ended: str | None) -> dict[str, Any]:
+        world = self.world
+        hidden = {"affordances": world.affordances(), "vehicle_state": world.vehicle_state()}
+        failed = ended in ("road left", "stood still")
+        return {"hidden": hidden, "ended": ended, "failed": failed}
 
 
-gymnasium.register(
-    "safedagger/Driving-v0",
-    entry_point="pipeline.driving.environment:DrivingEnv",
-    kwargs={"traffic_driver": "pipeline.driving.reference:reference_actions"},
-)
+gymnasium.register("safedagger/Driving-v0", entry_point="pipeline.driving.environment:DrivingEnv")

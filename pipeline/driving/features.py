@@ -5,6 +5,9 @@ from pipeline.data.schema import Feature, core_features
 CONTROL_HZ = 30
 """Control steps per second of the world. A frame stands for k of them: a dataset's fps is 30 / k."""
 
+STANDSTILL = 10.0
+"""[s] without moving after which a drive is halted."""
+
 ROBOT_TYPE = "safedagger_car"
 CAMERA = "observation.images.front"
 IMAGE_SHAPE = (72, 160, 3)

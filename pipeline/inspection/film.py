@@ -12,11 +12,13 @@ from numpy.typing import NDArray
 from PIL import Image
 
 from pipeline.driving.cars import LENGTH, WIDTH, Cars
+from pipeline.driving.environment import DrivingEnv
+from pipeline.driving.features import CAMERA
 from pipeline.driving.world import World
 from pipeline.inspection.tracks import ToPixels, track_map
 from pipeline.policies.inference import Driver
 from pipeline.rollout.loop import Frame
-from pipeline.rollout.recording import Drive, driven
+from pipeline.rollout.plans import Plan, driven
 
 WIDE = 480  # [px] the film
 ENLARGED = 1.5  # the camera's picture, which leaves room beside it for words
@@ -27,15 +29,17 @@ TRAFFIC, OUTLINE, INK, PAPER = (240, 228, 66), (0, 0, 0), (20, 20, 20), (255, 25
 SUBPIXELS = 3  # bits: cv2 draws at eighths of a pixel
 
 
-def shoot(plan: Drive, driver: Driver) -> Iterator[tuple[NDArray[np.uint8], float]]:
+def shoot(plan: Plan, driver: Driver) -> Iterator[tuple[NDArray[np.uint8], float]]:
     """Drive, and show each frame, uint8 [H, 480, 3], with the laps driven so far.
 
     The trail is blue where the primary drove, red where the reference did.
     """
-    ground, to_pixels = track_map(plan.track, WIDE)
+    ground, to_pixels = track_map(plan.scenario, WIDE)
     by_reference = frames = 0
     trail: NDArray[np.float64] | None = None
-    for world, frame in driven(plan, driver):
+    for env, frame in driven(plan, driver):
+        assert isinstance(env, DrivingEnv)
+        world = env.world
         frames, by_reference = frames + 1, by_reference + frame.intervention
         here = to_pixels(world.cars.x[:1], world.cars.y[:1])
         if trail is not None:
@@ -83,12 +87,14 @@ def _colour(frame: Frame) -> tuple[int, int, int]:
     return REFERENCE if frame.intervention else PRIMARY
 
 
-def _head(plan: Drive, world: World, frame: Frame, share: float) -> NDArray[np.uint8]:
+def _head(plan: Plan, world: World, frame: Frame, share: float) -> NDArray[np.uint8]:
     """The camera's picture, and beside it the strategy, who drives, and how it has gone so far."""
-    seen = cv2.resize(frame.image, None, fx=ENLARGED, fy=ENLARGED, interpolation=cv2.INTER_LINEAR)
+    seen = cv2.resize(
+        frame.observation[CAMERA], None, fx=ENLARGED, fy=ENLARGED, interpolation=cv2.INTER_LINEAR
+    )
     words = np.full((len(seen), WIDE - seen.shape[1], 3), PAPER, np.uint8)
     lines = {
-        f"strategy: {plan.rule.strategy}": INK,
+        f"strategy: {plan.rule.name}": INK,
         f"{'reference' if frame.intervention else 'primary'} drives": _colour(frame),
         f"lap {max(world.laps, 0.0):.2f}, damage {world.damage:.1f}": INK,
         f"reference drove {100 * share:.0f} %": INK,

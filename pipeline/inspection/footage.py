@@ -17,7 +17,7 @@ from pipeline.driving.tracks import LANE_WIDTH, Track, make_track
 from pipeline.rollout.judgement import Judgement
 from pipeline.rollout.loop import Frame
 
-TASK = re.compile(r"drive on (\S+) with \d+ other cars")  # as `recording.Drive.task` says it
+TASK = re.compile(r"drive on (\S+) with \d+ other cars")  # as `Driving.describe` says it
 BESIDE = np.array([LANE_WIDTH, 0.0, -LANE_WIDTH])  # [m] to the left, same and right lane
 
 
@@ -109,8 +109,7 @@ class Footage:
         frame: Frame,
         end: NDArray[np.float32],
         others: NDArray[np.float64],
-        *,
-        include_brake: bool,
+        judgement: Judgement | None = None,
     ) -> Self:
         """One frame just driven, with all that the simulator knows.
 
@@ -119,24 +118,22 @@ class Footage:
             frame: what was seen, proposed and decided.
             end: [2] (m) where our car is now.
             others: [M, 3] x, y [m] and heading [rad] of the other cars when the frame began.
-            include_brake: whether a wrong brake is a deviation, too.
+            judgement: as for `of_episode`.
         """
         driven = np.array([frame.intervention])
+        pair = frame.primary_action[None], frame.reference_action[None]
+        epsilon = judgement.deviation(*pair) if judgement else deviation(*pair)
         return cls(
             frame=np.array([number]),
-            image=frame.image[None],
+            image=frame.observation[CAMERA][None],
             primary_action=frame.primary_action[None],
             reference_action=frame.reference_action[None],
             intervention=driven,
             queried=driven,
             safe_probability=np.array([frame.safe_probability], np.float32),
-            deviation=deviation(
-                frame.primary_action[None],
-                frame.reference_action[None],
-                include_brake=include_brake,
-            ),
-            affordances=frame.affordances[None],
-            vehicle_state=frame.vehicle_state[None],
+            deviation=epsilon,
+            affordances=frame.hidden["affordances"][None],
+            vehicle_state=frame.hidden["vehicle_state"][None],
             end=end[None],
             others=[others],
         )

@@ -7,29 +7,27 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from pipeline.driving.environment import DrivingEnv
 from pipeline.driving.world import World
 from pipeline.inspection.footage import Footage
 from pipeline.policies.inference import Driver
-from pipeline.rollout.recording import Drive, driven
+from pipeline.rollout.judgement import Judgement
+from pipeline.rollout.plans import Plan, driven
 
 
-def watched(plan: Drive, driver: Driver | None) -> Iterator[tuple[World, Footage]]:
+def watched(
+    plan: Plan, driver: Driver | None, judgement: Judgement | None = None
+) -> Iterator[tuple[World, Footage]]:
     """The frames of a drive one by one, each with the world as it is at its end.
 
     All other cars are known, but in the first frame: where they were when it began, nobody saw.
     """
     others: NDArray[np.float64] = np.empty((0, 3))
-    for number, (world, frame) in enumerate(driven(plan, driver)):
-        yield (
-            world,
-            Footage.of_frame(
-                number,
-                frame,
-                world.vehicle_state()[:2],
-                others,
-                include_brake=plan.rule.include_brake,
-            ),
-        )
+    for number, (env, frame) in enumerate(driven(plan, driver)):
+        assert isinstance(env, DrivingEnv)
+        world = env.world
+        end = world.vehicle_state()[:2]
+        yield world, Footage.of_frame(number, frame, end, others, judgement)
         cars = world.cars
         others = np.stack([cars.x, cars.y, cars.heading], axis=1)[1:]
 

@@ -5,6 +5,7 @@ and F the numbers in Conv5's activations of one.
 """
 
 import copy
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Self
 
@@ -12,7 +13,7 @@ import numpy as np
 import torch
 from torch import Tensor
 
-from pipeline.driving.features import IMAGE_SHAPE
+from pipeline.driving.features import CAMERA, IMAGE_SHAPE
 from pipeline.policies.computing import computing
 from pipeline.policies.loading import check_pair, load_primary, load_safety, read_brake_cut
 from pipeline.policies.network import (
@@ -77,6 +78,15 @@ class Driver:
             brake_cut=read_brake_cut(primary),
             bfloat16=bfloat16,
         )
+
+    def propose(self, seen: Mapping[str, np.ndarray]) -> tuple[np.ndarray, dict[str, float]]:
+        """The primary's action for an observation by column, and what the policies say beside it.
+
+        Returns:
+            float32 [2]; and "safe_probability" [0, 1] where there is a safety policy.
+        """
+        action, conv5 = self.act(seen[CAMERA])
+        return action, {"safe_probability": self.safe_probability(conv5)} if self.safety else {}
 
     def act(self, image: np.ndarray) -> tuple[np.ndarray, Tensor]:
         """The primary's action for one camera image, and the Conv5 activations behind it.

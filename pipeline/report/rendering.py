@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 from pipeline.claims.findings import MARGIN, PAIRS
 from pipeline.claims.verdicts import Verdict, verdicts
+from pipeline.driving.features import STANDSTILL
 from pipeline.evaluation.experiment import VARIANTS, Experiment
 from pipeline.evaluation.summary import LAPS
 from pipeline.evaluation.wording import table
@@ -19,7 +20,6 @@ from pipeline.report.runs import runs
 from pipeline.report.scratch import warm_or_scratch
 from pipeline.report.shortfalls import falls_short
 from pipeline.report.track_table import by_track
-from pipeline.rollout.loop import STANDSTILL
 
 
 @dataclass(frozen=True)

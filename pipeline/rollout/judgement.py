@@ -2,18 +2,24 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any, Self
 
 import numpy as np
 
 from pipeline.data.lineage import Lineage, first_bits
 from pipeline.driving.deviation import deviation
-from pipeline.rollout.strategies import Rule
+from pipeline.rollout.rules.naive import Naive
+from pipeline.rollout.rules.optimal import Optimal
+from pipeline.rollout.rules.reference import Reference
+from pipeline.rollout.rules.rule import Rule
+from pipeline.rollout.rules.safe import Safe
+from pipeline.rollout.strategies import Strategy
 
 
 @dataclass(frozen=True)
 class Judgement:
-    """The cut that a rollout was driven with, and what its safety policy's labels call unsafe."""
+    """The cut that is driven with, and what the safety policy's labels call unsafe."""
 
     cut: float
     """[0, 1]: a `safe_probability` below it is unsafe"""
@@ -28,9 +34,15 @@ class Judgement:
         return cls(cut, labels["tau"], labels["include_brake"])
 
     @classmethod
-    def of_rule(cls, rule: Rule) -> Self:
-        """From what a drive goes by that a safety policy watches."""
-        return cls(rule.cut, rule.tau, rule.include_brake)
+    def read(cls, safety: Path, cut: float | None = None) -> Self:
+        """Of the safety policy in a directory; `cut` takes the place of its own.
+
+        Raises:
+            ValueError: there is none.
+        """
+        from pipeline.policies.loading import read_cut, read_labels  # imports PyTorch
+
+        return cls.of(read_labels(safety), read_cut(safety) if cut is None else cut)
 
     @property
     def measure(self) -> str:
@@ -40,6 +52,24 @@ class Judgement:
     def deviation(self, proposed: np.ndarray, reference: np.ndarray) -> np.ndarray:
         """Epsilon float32 [N] as the labels know it; NaN where either action [N, 2] is."""
         return deviation(proposed, reference, include_brake=self.include_brake)
+
+    def rule(self, strategy: Strategy) -> Rule:
+        """The rule of a driving strategy.
+
+        Raises:
+            ValueError: a number is out of its range, or the strategy has another one: beta.
+        """
+        match strategy:
+            case Strategy.REFERENCE:
+                return Reference()
+            case Strategy.NAIVE:
+                return Naive()
+            case Strategy.SAFE:
+                return Safe(self.cut)
+            case Strategy.OPTIMAL:
+                return Optimal(self.tau, self.deviation)
+            case Strategy.MIXTURE:
+                raise ValueError(f"strategy is {strategy}, expected one that goes by no beta")
 
 
 def judgements(lineage: Lineage) -> dict[int, Judgement]:

@@ -3,15 +3,21 @@ from dataclasses import replace
 import pytest
 import torch
 
+from pipeline.driving.task import Driving
 from pipeline.evaluation.driving import evaluate, plans
 from pipeline.policies.inference import Driver
 from pipeline.policies.network import PrimaryNetwork, SafetyNetwork, feature_size
-from pipeline.rollout.recording import Drive
-from pipeline.rollout.strategies import DRIVING, Rule, Strategy
+from pipeline.rollout.judgement import Judgement
+from pipeline.rollout.plans import Plan
+from pipeline.rollout.rules.rule import Rule
+from pipeline.rollout.rules.safe import Safe
+from pipeline.rollout.strategies import DRIVING, Strategy
 
-RULES = [Rule(strategy, cut=0.0, tau=9.0) for strategy in DRIVING]
-ALWAYS = Rule(Strategy.SAFE, cut=1.0)
-PLANS = list(plans(RULES, ["alder", "yew"], 3, 2, record_every=3, laps=3.0, seconds=2.0, seed=0))
+TRUSTING = Judgement(cut=0.0, tau=9.0, include_brake=False)
+RULES = [TRUSTING.rule(strategy) for strategy in DRIVING]
+ALWAYS = Safe(1.0)
+TASK = Driving(tracks="alder,yew", traffic=3, record_every=3, laps=3.0, seconds=2.0)
+PLANS = list(plans(TASK, RULES, 2, seed=0))
 
 
 @pytest.fixture(scope="module")
@@ -21,17 +27,23 @@ def driver() -> Driver:
     return Driver(primary, SafetyNetwork(feature_size(2), 4, generator=generator), brake_cut=0.5)
 
 
-def plan(strategy: Strategy, traffic: int) -> Drive:
-    return next(p for p, _ in PLANS if p.rule.strategy is strategy and p.traffic == traffic)
+def traffic_of(plan: Plan) -> int:
+    assert isinstance(plan.task, Driving)
+    return plan.task.traffic
+
+
+def plan(strategy: Strategy, traffic: int, rule: Rule | None = None) -> Plan:
+    found = next(p for p, _ in PLANS if p.rule.name == strategy and traffic_of(p) == traffic)
+    return replace(found, rule=rule or found.rule)
 
 
 def test_every_case_is_driven_once() -> None:
-    cases = {(p.rule.strategy, p.traffic, p.track, start) for p, start in PLANS}
+    cases = {(p.rule.name, traffic_of(p), p.scenario, start) for p, start in PLANS}
     assert len(cases) == len(PLANS) == 3 * 2 * 2 * 2
 
 
 def test_all_strategies_meet_the_same_starts() -> None:
-    naive, safe, optimal = ([p.seed for p, _ in PLANS if p.rule.strategy is s] for s in DRIVING)
+    naive, safe, optimal = ([p.seed for p, _ in PLANS if p.rule.name == s] for s in DRIVING)
     assert naive == safe == optimal
 
 
@@ -46,7 +58,7 @@ def test_where_nothing_is_unsafe_it_drives_as_the_naive_strategy(
 
 
 def test_where_everything_is_unsafe_the_reference_drives(driver: Driver) -> None:
-    outcome = evaluate(replace(plan(Strategy.SAFE, 0), rule=ALWAYS), 0, driver)
+    outcome = evaluate(plan(Strategy.SAFE, 0, ALWAYS), 0, driver)
     assert outcome.takeover_frames == outcome.frames
     assert (outcome.takeovers, outcome.switches) == (1, 0)
     assert outcome.squared_error_sum == 0
@@ -54,7 +66,8 @@ def test_where_everything_is_unsafe_the_reference_drives(driver: Driver) -> None
 
 
 def test_a_drive_ends_after_its_laps(driver: Driver) -> None:
-    short = replace(plan(Strategy.SAFE, 0), rule=ALWAYS, laps=0.02)
+    always = plan(Strategy.SAFE, 0, ALWAYS)
+    short = replace(always, task=replace(TASK, traffic=0, laps=0.02))
     outcome = evaluate(short, 0, driver)
     assert outcome.laps == 0.02
     assert outcome.frames < 20
@@ -65,8 +78,8 @@ def test_the_optimal_safety_policy_leaves_the_primary_no_deviation_above_tau(
 ) -> None:
     """Eq. 2: what the primary drives deviates by tau at most; what is left goes to the reference."""
     tau = 1e-4
-    rule = Rule(Strategy.OPTIMAL, tau=tau)
-    outcome = evaluate(replace(plan(Strategy.OPTIMAL, 0), rule=rule), 0, driver)
+    rule = Judgement(0.0, tau, include_brake=False).rule(Strategy.OPTIMAL)
+    outcome = evaluate(plan(Strategy.OPTIMAL, 0, rule), 0, driver)
     assert outcome.squared_error_sum <= tau * outcome.primary_frames
     assert outcome.takeover_frames > 0
     assert outcome.takeovers <= outcome.switches + 1

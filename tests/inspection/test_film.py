@@ -1,7 +1,6 @@
 """A drive as a film: every frame, the trail in the driver's colour, and the same bytes again."""
 
 import io
-from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -13,19 +12,12 @@ from pipeline.inspection.film import PRIMARY, REFERENCE, gif, shoot
 from pipeline.inspection.tracks import track_map
 from pipeline.policies.inference import Driver
 from pipeline.policies.network import PrimaryNetwork
-from pipeline.rollout.recording import Drive
-from pipeline.rollout.strategies import Rule, Strategy
+from pipeline.rollout.plans import Plan
+from pipeline.rollout.rules.naive import Naive
+from pipeline.rollout.rules.reference import Reference
+from tests.drives import plan
 
-BY_PRIMARY = Drive(
-    track="yew",
-    traffic=3,
-    spread=(0.0, 0.0),
-    seed=(0,),
-    rule=Rule(Strategy.NAIVE),
-    record_every=3,
-    seconds=1.0,
-)
-BY_REFERENCE = replace(BY_PRIMARY, rule=Rule(Strategy.REFERENCE))
+BY_PRIMARY, BY_REFERENCE = (plan(rule, track="yew") for rule in (Naive(), Reference()))
 
 
 @pytest.fixture(scope="module")
@@ -38,7 +30,7 @@ def driver() -> Driver:
     [(BY_PRIMARY, PRIMARY, REFERENCE), (BY_REFERENCE, REFERENCE, PRIMARY)],
 )
 def test_every_frame_is_shown_and_the_trail_says_who_drove(
-    driver: Driver, plan: Drive, colour: tuple, other: tuple
+    driver: Driver, plan: Plan, colour: tuple, other: tuple
 ) -> None:
     pictures, laps = zip(*shoot(plan, driver), strict=True)
     assert len(pictures) == 10

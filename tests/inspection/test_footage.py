@@ -1,7 +1,5 @@
 """What is shown of a drive, from a dataset and from the drive itself."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 
@@ -10,24 +8,19 @@ from pipeline.driving.tracks import LANE_WIDTH, make_track
 from pipeline.driving.traffic import SENSOR_RANGE
 from pipeline.driving.world import World
 from pipeline.inspection.footage import Footage, cars_in_affordances, track_of
-from pipeline.rollout.recording import Drive, record
-from pipeline.rollout.strategies import Rule, Strategy
+from pipeline.rollout.recording import record
+from pipeline.rollout.rules.reference import Reference
+from tests.drives import plan
 from tests.episodes import random_episode
 
-PLAN = Drive(
-    track="random:7",
-    traffic=20,
-    spread=(0.3, 0.05),
-    seed=(0,),
-    rule=Rule(Strategy.REFERENCE),
-    record_every=3,
-    seconds=3.0,
+PLAN = plan(
+    Reference(), track="random:7", traffic=20, offset_spread=0.3, angle_spread=0.05, seconds=3.0
 )
 
 
 @pytest.mark.parametrize("name", ["alder", "yew", "random:7"])
 def test_a_drives_task_names_its_track(name: str) -> None:
-    assert track_of(replace(PLAN, track=name).task) is make_track(name)
+    assert track_of(PLAN.task.describe(name)) is make_track(name)
 
 
 @pytest.mark.parametrize("task", ["coast, 20 cars", "drive on nowhere with 2 other cars"])

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 import torch
 
-from pipeline.driving.features import CAMERA, CONTROL_HZ
+from pipeline.driving.features import CAMERA
 from pipeline.driving.tracks import make_track
 from pipeline.inspection.footage import Footage
 from pipeline.inspection.live import Tally, in_real_time, watched
@@ -20,19 +20,13 @@ from pipeline.inspection.rerun_sinks import into_file
 from pipeline.policies.inference import Driver
 from pipeline.policies.network import PrimaryNetwork, SafetyNetwork, feature_size
 from pipeline.rollout.judgement import Judgement
-from pipeline.rollout.recording import Drive, record
-from pipeline.rollout.strategies import Rule, Strategy
+from pipeline.rollout.recording import record
+from pipeline.rollout.rules.mixture import Mixture
+from pipeline.rollout.rules.reference import Reference
+from tests.drives import plan
 from tests.inspection.saved import batches, column, origins, recordings
 
-PLAN = Drive(
-    track="birch",
-    traffic=30,
-    spread=(0.0, 0.0),
-    seed=(3,),
-    rule=Rule(Strategy.MIXTURE, beta=0.7),
-    record_every=3,
-    seconds=3.0,
-)
+PLAN = plan(Mixture(0.7), track="birch", traffic=30, seed=(3,), seconds=3.0)
 
 
 @pytest.fixture(scope="module")
@@ -60,7 +54,7 @@ def test_every_frame_is_as_recorded(driver: Driver) -> None:
 
 
 def test_all_other_cars_are_where_they_were_when_the_frame_began() -> None:
-    plan = replace(PLAN, rule=Rule(Strategy.REFERENCE))
+    plan = replace(PLAN, rule=Reference())
     before = np.empty((0, 3))
     for world, footage in watched(plan, None):
         (others,) = footage.others
@@ -96,7 +90,7 @@ def test_the_tally(driver: Driver) -> None:
 
 def test_the_reference_alone_takes_over_from_nobody() -> None:
     tally = Tally()
-    for world, footage in watched(replace(PLAN, rule=Rule(Strategy.REFERENCE)), None):
+    for world, footage in watched(replace(PLAN, rule=Reference()), None):
         tally.add(world, footage)
     assert (tally.by_reference, tally.takeovers) == (30, 0)
 
@@ -109,11 +103,11 @@ def test_real_time_is_waited_for_and_never_made_up() -> None:
 
 
 def test_frame_by_frame_gives_what_is_there_at_the_end(driver: Driver, tmp_path: Path) -> None:
-    path, fps = tmp_path / "live.rrd", CONTROL_HZ // PLAN.record_every
+    path, fps = tmp_path / "live.rrd", PLAN.task.fps
     seen = [footage for _, footage in watched(PLAN, driver)]
     with (
         into_file(path, live_blueprint(fps)) as sink,
-        new_recording("live", "Live", make_track(PLAN.track), sink.connect) as recording,
+        new_recording("live", "Live", make_track(PLAN.scenario), sink.connect) as recording,
     ):
         tracer = drive_tracer(recording, fps=fps, judgement=Judgement(0.5, 0.01, False), camera=RAW)
         for footage in seen:

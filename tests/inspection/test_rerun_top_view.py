@@ -16,8 +16,9 @@ from pipeline.inspection.rerun_log import BLUE, RED, log_excerpt
 from pipeline.inspection.rerun_sinks import into_file
 from pipeline.policies.inference import Driver
 from pipeline.policies.network import PrimaryNetwork
-from pipeline.rollout.recording import Drive, record
-from pipeline.rollout.strategies import Rule, Strategy
+from pipeline.rollout.recording import record
+from pipeline.rollout.rules.mixture import Mixture
+from tests.drives import plan
 from tests.inspection.saved import batches, column, recordings
 
 NORTH_UP = np.array([1, -1])
@@ -26,17 +27,9 @@ NORTH_UP = np.array([1, -1])
 @pytest.fixture(scope="module")
 def excerpt() -> Excerpt:
     """By turns an untrained primary and the reference drive for 8 s, longer than is sent at once."""
-    plan = Drive(
-        track="alder",
-        traffic=40,
-        spread=(0.0, 0.0),
-        seed=(0,),
-        rule=Rule(Strategy.MIXTURE, beta=0.8),
-        record_every=3,
-        seconds=8.0,
-    )
+    long = plan(Mixture(0.8), traffic=40, seconds=8.0)
     primary = PrimaryNetwork(2, generator=torch.Generator().manual_seed(0))
-    episode = record(plan, Driver(primary, brake_cut=1.0), 0, 0).episode
+    episode = record(long, Driver(primary, brake_cut=1.0), 0, 0).episode
     assert len(episode) > 64 and 0 < episode.columns["intervention"].mean() < 1
     return Excerpt("title", "name", episode, 0)
 

@@ -2,7 +2,6 @@
 
 import subprocess
 import sys
-from pathlib import Path
 
 import cloudpickle
 import numpy as np
@@ -11,9 +10,6 @@ import torch
 
 from pipeline.policies.inference import Driver, propose
 from pipeline.policies.network import PrimaryNetwork, SafetyNetwork, feature_size, to_float
-from pipeline.policies.safety import SafetyConfig, SafetyPolicy
-from pipeline.rollout.rules import driving_rule
-from pipeline.rollout.strategies import Rule, Strategy
 
 torch.set_num_threads(1)
 
@@ -127,15 +123,3 @@ def test_without_a_safety_policy_there_is_no_probability(primary, images):
 def test_driving_does_not_import_lerobot():
     code = "import sys, pipeline.policies.inference; sys.exit('lerobot' in sys.modules)"
     assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
-
-
-@pytest.mark.parametrize("include_brake", [False, True])
-def test_a_driving_rule_goes_by_the_labels_of_the_safety_policy(
-    safety: SafetyNetwork, include_brake: bool, tmp_path: Path
-) -> None:
-    config = SafetyConfig(channels=4, hidden=8, tau=0.01, include_brake=include_brake)
-    SafetyPolicy(config, safety).save_pretrained(tmp_path)
-    rule = driving_rule(tmp_path, Strategy.OPTIMAL, 0.3)
-    assert rule == Rule(Strategy.OPTIMAL, cut=0.3, tau=0.01, include_brake=include_brake)
-    with pytest.raises(ValueError, match=r"config.json: No such file"):
-        driving_rule(tmp_path / "missing", Strategy.OPTIMAL, 0.3)

@@ -1,135 +1,185 @@
 """The closed loop with the reference at the wheel; test_inference.py has the networks."""
 
 from collections.abc import Iterator
+from typing import Any
 
 import numpy as np
 import pytest
 import torch
 
-from pipeline.driving.features import CONTROL_HZ, IMAGE_SHAPE
+from pipeline.data.schema import Asked
+from pipeline.driving.environment import DrivingEnv
+from pipeline.driving.features import CAMERA, CONTROL_HZ
 from pipeline.driving.reference import reference_actions
 from pipeline.driving.tracks import make_track
 from pipeline.driving.world import World
+from pipeline.environment import Action, Environment
 from pipeline.policies.inference import Driver
-from pipeline.policies.network import PrimaryNetwork
-from pipeline.rollout.loop import STANDSTILL, Ended, Frame, drive
-from pipeline.rollout.strategies import Rule, Strategy
-from tests.driving.scenes import cars_at
+from pipeline.policies.network import PrimaryNetwork, SafetyNetwork, feature_size
+from pipeline.rollout.asking import Reference as Asking
+from pipeline.rollout.judgement import Judgement
+from pipeline.rollout.loop import Frame, drive
+from pipeline.rollout.plans import driven, one_number
+from pipeline.rollout.rules.mixture import Mixture
+from pipeline.rollout.rules.naive import Naive
+from pipeline.rollout.rules.reference import Reference
+from pipeline.rollout.rules.rule import Rule
+from pipeline.rollout.rules.safe import Safe
+from pipeline.rollout.strategies import Strategy
+from tests.drives import plan
+
+WILLOW = {
+    "track": "willow",
+    "traffic": 10,
+    "offset_spread": 0.3,
+    "angle_spread": 0.05,
+    "seed": (0,),
+}
 
 
-@pytest.fixture
-def world() -> Iterator[World]:
-    with World(make_track("willow"), 10, (0.3, 0.05), np.random.default_rng(0)) as world:
-        yield world
+def by_reference(**settings: Any) -> Iterator[tuple[Environment, Frame]]:
+    return driven(plan(Reference(), **(WILLOW | {"seconds": 2.0} | settings)), None)
 
 
-def by_reference(
-    world: World, *, record_every: int = 3, laps: float = 3.0, seconds: float = 2.0
-) -> Iterator[Frame]:
-    return drive(
-        world,
-        None,
-        Rule(Strategy.REFERENCE),
-        record_every=record_every,
-        laps=laps,
-        seconds=seconds,
-        rng=np.random.default_rng(0),
-    )
+def driver(*, nan: bool = False) -> Driver:
+    generator = torch.Generator().manual_seed(0)
+    primary = PrimaryNetwork(2, generator=generator)
+    if nan:
+        with torch.no_grad():
+            primary.outputs["steering"][2].weight.fill_(np.nan)
+    return Driver(primary, SafetyNetwork(feature_size(2), 4, generator=generator), brake_cut=0.5)
 
 
-def test_a_frame_is_what_was_seen_and_known_before_it_was_driven(world: World) -> None:
-    image, known = world.image(), world.affordances()
-    cars = world.cars
-    state = [cars.x[0], cars.y[0], cars.heading[0], cars.speed[0]]
-    action = reference_actions(world.cars, world.track)[0]
-    frame = next(by_reference(world))
-    np.testing.assert_array_equal(frame.vehicle_state, np.float32(state))
-    np.testing.assert_array_equal(frame.image, image)
-    np.testing.assert_array_equal(frame.affordances, known)
+def test_a_frame_is_what_was_seen_and_known_before_it_was_driven() -> None:
+    rng = np.random.default_rng((0,))
+    with World(make_track("willow"), 10, (0.3, 0.05), rng) as world:
+        image, known, state = world.image(), world.affordances(), world.vehicle_state()
+        action = reference_actions(world.cars, world.track)[0]
+    _, frame = next(by_reference())
+    np.testing.assert_array_equal(frame.observation[CAMERA], image)
+    np.testing.assert_array_equal(frame.hidden["affordances"], known)
+    np.testing.assert_array_equal(frame.hidden["vehicle_state"], state)
     np.testing.assert_array_equal(frame.reference_action, action)
-    assert frame.image.shape == IMAGE_SHAPE
 
 
-def test_without_a_primary_there_is_no_action_of_its_and_no_error(world: World) -> None:
-    frame = next(by_reference(world))
+def test_without_a_primary_there_is_no_action_of_its_and_no_error() -> None:
+    _, frame = next(by_reference())
     assert np.all(np.isnan(frame.primary_action)) and np.isnan(frame.safe_probability)
-    assert np.isnan(frame.squared_error)
     assert frame.intervention is True
 
 
 @pytest.mark.parametrize("record_every", [1, 3])
-def test_it_drives_as_long_as_it_may(world: World, record_every: int) -> None:
-    start = world.cars.s[0]
-    frames = list(by_reference(world, record_every=record_every, seconds=2.0))
+def test_it_drives_as_long_as_it_may(record_every: int) -> None:
+    frames = [frame for _, frame in by_reference(record_every=record_every)]
     assert len(frames) == 2 * CONTROL_HZ / record_every
-    assert world.cars.s[0] - start > 10
+    assert frames[-1].outcome["distance_m"] > 10
     assert all(frame.intervention for frame in frames)
-    assert [frame.ended for frame in frames] == [None] * (len(frames) - 1) + [Ended.OUT_OF_TIME]
+    assert [frame.ended for frame in frames] == [None] * (len(frames) - 1) + ["out of time"]
+    assert not frames[-1].failed
 
 
-def test_an_action_is_held_for_the_whole_frame(world: World) -> None:
+def test_an_action_is_held_for_the_whole_frame() -> None:
     """As a world stepped by hand shows."""
-    first = next(by_reference(world, record_every=3))
-    with World(world.track, 10, (0.3, 0.05), np.random.default_rng(0)) as other:
+    env, first = next(drives := by_reference())
+    assert isinstance(env, DrivingEnv)
+    rng = np.random.default_rng((0,))
+    with World(make_track("willow"), 10, (0.3, 0.05), rng) as other:
         for _ in range(3):
             actions = reference_actions(other.cars, other.track)
             actions[0] = first.reference_action
             other.step(actions)
         for name in ("x", "y", "heading", "speed"):
-            np.testing.assert_array_equal(getattr(world.cars, name), getattr(other.cars, name))
+            np.testing.assert_array_equal(getattr(env.world.cars, name), getattr(other.cars, name))
+    drives.close()  # type: ignore[attr-defined]
 
 
-def test_it_ends_with_the_laps(world: World) -> None:
-    frames = list(by_reference(world, laps=0.1, seconds=60.0))
-    assert 0.1 <= world.laps < 0.1 + 3 * 20 / CONTROL_HZ / world.track.length
+def test_it_ends_with_the_laps() -> None:
+    frames = [frame for _, frame in by_reference(laps=0.1, seconds=60.0)]
+    length = make_track("willow").length
+    assert 0.1 <= frames[-1].outcome["laps"] < 0.1 + 3 * 20 / CONTROL_HZ / length
     assert len(frames) < 60 * CONTROL_HZ / 3
-    assert frames[-1].ended is Ended.LAPS_DONE and not frames[-1].ended.failed
-    assert frames[-1].distance == world.distance == pytest.approx(world.laps * world.track.length)
+    assert (frames[-1].ended, frames[-1].failed) == ("laps done", False)
+    assert frames[-1].outcome["distance_m"] == pytest.approx(frames[-1].outcome["laps"] * length)
 
 
-def test_it_ends_off_the_road() -> None:
-    track = make_track("willow")
-    with World(track, 0, (0.0, 0.0), np.random.default_rng(0)) as world:
-        world.cars = cars_at(track, [0.0], [0], offset=5.0)
-        (frame,) = by_reference(world)
-        assert world.off_road
-        assert frame.ended is Ended.ROAD_LEFT and frame.ended.failed
-
-
-def test_it_ends_where_the_car_stands_still() -> None:
-    """Both lanes are blocked."""
-    track = make_track("willow")
-    with World(track, 2, (0.0, 0.0), np.random.default_rng(0)) as world:
-        world.cars = cars_at(track, [0.0, 30.0, 30.0], [0, 0, 1], limit=[15.0, 0.0, 0.0])
-        frames = list(by_reference(world, seconds=STANDSTILL + 60.0))
-        assert world.cars.speed[0] == 0 and world.damage == 0
-        assert STANDSTILL <= len(frames) * 3 / CONTROL_HZ < STANDSTILL + 10
-        assert frames[-1].ended is Ended.STOOD_STILL and frames[-1].ended.failed
-
-
-def test_an_action_that_is_no_number_is_refused_at_once(world: World) -> None:
-    primary = PrimaryNetwork(2, generator=torch.Generator().manual_seed(0))
-    with torch.no_grad():
-        primary.outputs["steering"][2].weight.fill_(np.nan)
-    frames = drive(
-        world,
-        Driver(primary, brake_cut=0.5),
-        Rule(Strategy.NAIVE),
-        record_every=3,
-        laps=1.0,
-        seconds=2.0,
-        rng=np.random.default_rng(0),
-    )
+def test_an_action_that_is_no_number_is_refused_at_once() -> None:
+    frames = driven(plan(Naive(), **WILLOW), driver(nan=True))
     with pytest.raises(ValueError, match=r"the primary's action is \[nan +0\.\], expected finite"):
         next(frames)
 
 
-def test_equal_worlds_are_driven_equally() -> None:
+def test_equal_drives_are_equal() -> None:
     """Bit for bit, pixels and all."""
-    runs = []
-    for _ in range(2):
-        with World(make_track("yew"), 20, (0.3, 0.05), np.random.default_rng(4)) as world:
-            runs.append(list(by_reference(world, seconds=1.0)))
+    runs = [[frame for _, frame in by_reference(track="yew", traffic=20)] for _ in range(2)]
     for one, other in zip(*runs, strict=True):
-        np.testing.assert_array_equal(one.image, other.image)
+        np.testing.assert_array_equal(one.observation[CAMERA], other.observation[CAMERA])
         np.testing.assert_array_equal(one.reference_action, other.reference_action)
+
+
+@pytest.mark.parametrize("seed", [(0,), (0, 0, 0), (3, 1002, 0), (0, 101, 2**32 - 1), (7, 1, 2, 3)])
+def test_a_seed_of_several_numbers_draws_the_same_as_one(seed: tuple[int, ...]) -> None:
+    one = np.random.Generator(np.random.PCG64(np.random.SeedSequence(one_number(seed))))
+    assert one.random(9).tolist() == np.random.default_rng(seed).random(9).tolist()
+
+
+class CountingEnv(DrivingEnv):
+    """Counts by itself how often its reference is asked."""
+
+    def __init__(self, **settings: Any) -> None:
+        super().__init__(**settings)
+        self.labels = self.look_ups = 0
+
+    def label(self) -> Action:
+        self.labels += 1
+        return super().label()
+
+    def look_up(self) -> Action:
+        self.look_ups += 1
+        return super().look_up()
+
+
+JUDGED = Judgement(0.5, 0.0, include_brake=True)
+
+
+@pytest.mark.parametrize("measure", [False, True])
+@pytest.mark.parametrize(
+    "rule",
+    [Reference(), Naive(), Safe(0.5), Safe(0.0), Mixture(0.5), JUDGED.rule(Strategy.OPTIMAL)],
+    ids=lambda rule: rule.name,
+)
+def test_the_reference_is_asked_as_often_as_the_ledger_will_count(
+    rule: Rule, measure: bool
+) -> None:
+    """The heart of the product: a query is a call of `label`, and nothing else is."""
+    env = CountingEnv(track="alder", traffic=3, record_every=3, seconds=2.0)
+    asking = Asking(env, can_look_up=True)
+    frames = list(
+        drive(
+            env,
+            driver(),
+            rule,
+            seed=1,
+            rng=np.random.default_rng(1),
+            reference=asking,
+            measure=measure,
+        )
+    )
+    env.close()
+    asked = sum(frame.decision.asked is not Asked.NOT for frame in frames)
+    assert env.labels == asking.queries == asked
+    assert sum(frame.intervention for frame in frames) <= asked
+    looked_up = len(frames) if rule.looks_up else (len(frames) - asked if measure else 0)
+    assert env.look_ups == asking.looked_up == looked_up
+    known = sum(bool(np.isfinite(frame.reference_action).all()) for frame in frames)
+    assert known == (len(frames) if measure or rule.looks_up else asked)
+
+
+def test_a_reference_that_cannot_be_looked_up_is_not() -> None:
+    """A person, say: what nobody asked, nobody knows."""
+    env = CountingEnv(track="alder", record_every=3, seconds=1.0)
+    asking = Asking(env, can_look_up=False)
+    rng = np.random.default_rng(0)
+    frames = list(drive(env, driver(), Naive(), seed=0, rng=rng, reference=asking, measure=True))
+    env.close()
+    assert (env.labels, env.look_ups, asking.looked_up) == (0, 0, 0)
+    assert all(np.isnan(frame.reference_action).all() for frame in frames)

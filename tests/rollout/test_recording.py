@@ -9,28 +9,23 @@ from hypothesis import strategies as st
 
 from pipeline.data.schema import Asked
 from pipeline.driving.features import CAMERA
+from pipeline.driving.task import Driving
 from pipeline.policies.inference import Driver
 from pipeline.policies.network import PrimaryNetwork, SafetyNetwork, feature_size
-from pipeline.rollout.recording import (
-    Drive,
-    Recording,
-    in_order,
-    record,
-    record_all,
-    until_queries,
-)
-from pipeline.rollout.strategies import Rule, Strategy
+from pipeline.rollout.plans import Plan
+from pipeline.rollout.recording import Recording, record, record_all, until_queries
+from pipeline.rollout.rules.mixture import Mixture
+from pipeline.rollout.rules.naive import Naive
+from pipeline.rollout.rules.reference import Reference
+from pipeline.rollout.rules.rule import Rule
+from pipeline.rollout.rules.safe import Safe
+from pipeline.rollout.workers import in_order
+from tests.drives import plan
 from tests.episodes import random_episode
 
-PLAN = Drive(
-    track="alder",
-    traffic=3,
-    spread=(0.3, 0.05),
-    seed=(0, 0, 0),
-    rule=Rule(Strategy.SAFE, cut=0.5),
-    record_every=3,
-    seconds=1.0,
-)
+PLAN = plan(Safe(0.5), seed=(0, 0, 0), offset_spread=0.3, angle_spread=0.05)
+TASK = PLAN.task
+assert isinstance(TASK, Driving)
 
 
 def driver() -> Driver:
@@ -47,8 +42,7 @@ def recordings(lengths: list[int], seed: int) -> list[Recording]:
         Recording(
             episode,
             np.zeros((len(episode), 2), np.float32),
-            distance=np.arange(len(episode)) + 1.0,
-            touches=np.arange(len(episode)) // 3,
+            [{"distance_m": n + 1.0, "touches": n // 3} for n in range(len(episode))],
         )
         for episode in episodes
     ]
@@ -91,24 +85,25 @@ def test_the_result_does_not_depend_on_the_number_of_workers() -> None:
 
 
 def test_drives_go_around_the_tracks_each_with_a_seed_of_its_own() -> None:
-    plan = replace(PLAN, seed=(7, 1), seconds=0.2)
-    drives = record_all(plan, ["alder", "yew"], [0, 1, 2], driver(), iteration=4, workers=1)
+    task = replace(TASK, tracks="alder,yew", seconds=0.2)
+    numbers, seed = [0, 1, 2], (7, 1)
+    drives = record_all(task, Safe(0.5), driver(), numbers, seed=seed, iteration=4, workers=1)
     for number, recording in enumerate(drives):
-        expected = replace(plan, track=["alder", "yew"][number % 2], seed=(7, 1, number))
+        expected = Plan(task, ["alder", "yew"][number % 2], Safe(0.5), (7, 1, number))
         again = record(expected, driver(), 4, number)
-        assert recording.episode.task == expected.task
+        assert recording.episode.task == expected.description
         for name, values in again.episode.columns.items():
             assert values.tobytes() == recording.episode.columns[name].tobytes(), name
 
 
 def test_an_unknown_track_is_refused_before_anything_is_driven() -> None:
     with pytest.raises(ValueError, match="'nowhere': expected one of"):
-        record_all(PLAN, ["alder", "nowhere"], count(), driver(), iteration=1, workers=1)
+        replace(TASK, tracks="alder,nowhere")
 
 
 @pytest.mark.parametrize(("cut", "drives"), [(0.0, False), (1.0, True)])
 def test_below_the_cut_the_reference_drives_and_is_asked(cut: float, drives: bool) -> None:
-    recording = record(replace(PLAN, rule=Rule(Strategy.SAFE, cut=cut)), driver(), 1, 0)
+    recording = record(replace(PLAN, rule=Safe(cut)), driver(), 1, 0)
     columns = recording.episode.columns
     assert np.all(columns["intervention"] == drives)
     assert np.all(columns["queried"] == drives)
@@ -123,7 +118,7 @@ def test_below_the_cut_the_reference_drives_and_is_asked(cut: float, drives: boo
 
 
 def test_a_dataset_never_tells_what_nobody_paid_for() -> None:
-    columns = record(replace(PLAN, rule=Rule(Strategy.NAIVE)), driver(), 1, 0).episode.columns
+    columns = record(replace(PLAN, rule=Naive()), driver(), 1, 0).episode.columns
     assert not columns["queried"].any()
     assert np.isnan(columns["deviation"]).all()
 
@@ -131,10 +126,10 @@ def test_a_dataset_never_tells_what_nobody_paid_for() -> None:
 @pytest.mark.parametrize(
     ("rule", "reasons"),
     [
-        (Rule(Strategy.REFERENCE), {Asked.DROVE}),
-        (Rule(Strategy.SAFE, cut=1.0), {Asked.DROVE}),
-        (Rule(Strategy.SAFE, cut=0.0), {Asked.NOT}),
-        (Rule(Strategy.MIXTURE, beta=0.5), {Asked.DROVE, Asked.MIXTURE}),
+        (Reference(), {Asked.DROVE}),
+        (Safe(1.0), {Asked.DROVE}),
+        (Safe(0.0), {Asked.NOT}),
+        (Mixture(0.5), {Asked.DROVE, Asked.MIXTURE}),
     ],
 )
 def test_it_says_why_the_reference_was_asked(rule: Rule, reasons: set[Asked]) -> None:
@@ -152,18 +147,19 @@ def test_it_says_why_the_reference_was_asked(rule: Rule, reasons: set[Asked]) ->
     [
         ({"seconds": 1.0}, "out of time", 0),
         ({"laps": 0.01, "seconds": 30.0}, "laps done", 0),
-        ({"rule": Rule(Strategy.NAIVE), "seconds": 60.0}, "road left", 1),
+        ({"seconds": 60.0}, "road left", 1),
     ],
 )
 def test_a_drive_says_how_it_ended(change: dict, ended: str, put_back: int) -> None:
     """An untrained primary does not steer."""
-    plan = replace(PLAN, **({"rule": Rule(Strategy.REFERENCE)} | change))
-    driven = record(plan, driver(), 1, 7)
+    rule = Naive() if put_back else Reference()
+    to_drive = replace(PLAN, rule=rule, task=replace(TASK, **change))
+    driven = record(to_drive, driver(), 1, 7)
     ending = driven.episode.ending
     assert ending is not None
     assert (ending["ended"], ending["put_back"]) == (ended, put_back)
-    assert (ending["episode"], ending["task"]) == (7, plan.task)
-    assert ending["frames"] == len(driven.episode) == len(driven.distance)
+    assert (ending["episode"], ending["task"]) == (7, to_drive.description)
+    assert ending["frames"] == len(driven.episode) == len(driven.outcomes)
     x, y = driven.episode.columns["vehicle_state"][[0, -1], :2].T
     assert ending["distance_m"] > 0.9 * np.hypot(np.diff(x), np.diff(y))[0]
 
@@ -171,7 +167,7 @@ def test_a_drive_says_how_it_ended(change: dict, ended: str, put_back: int) -> N
 @pytest.mark.parametrize("beta", [0.0, 0.5, 1.0])
 def test_a_mixture_asks_about_every_frame_and_drives_some(beta: float) -> None:
     """Dagger: all that is collected is a query (Sec. 2.6), whoever drove."""
-    recording = record(replace(PLAN, rule=Rule(Strategy.MIXTURE, beta=beta)), driver(), 1, 0)
+    recording = record(replace(PLAN, rule=Mixture(beta)), driver(), 1, 0)
     columns = recording.episode.columns
     assert recording.queries == len(recording.episode)
     assert np.array_equal(columns["action"], recording.reference_actions)
@@ -183,23 +179,24 @@ def test_a_mixture_asks_about_every_frame_and_drives_some(beta: float) -> None:
 @pytest.mark.parametrize(
     "change",
     [
-        {"track": "nowhere"},
+        {"tracks": "nowhere"},
         {"traffic": -1},
         {"traffic": 10_000},
         {"seconds": 0.0},
         {"seconds": float("nan")},
         {"laps": -1.0},
         {"record_every": 7},
-        {"spread": (-0.1, 0.0)},
+        {"offset_spread": -0.1},
     ],
 )
 def test_nonsense_is_refused_before_driving(change: dict) -> None:
     with pytest.raises(ValueError, match=r"expected"):
-        replace(PLAN, **change)
+        replace(TASK, **change)
 
 
 def test_whoever_has_enough_stops_without_a_warning(recwarn: pytest.WarningsRecorder) -> None:
-    plans = (replace(PLAN, seconds=0.2, seed=(0, 0, n)) for n in count())
+    short = replace(TASK, seconds=0.2)
+    plans = (replace(PLAN, task=short, seed=(0, 0, n)) for n in count())
     results = in_order(record, ((plan, driver(), 1, 0) for plan in plans), 2)
     next(results)
     results.close()

@@ -12,7 +12,7 @@ import typer
 from stages import __main__ as cli
 from tests.episodes import random_episode, write
 
-STAGES = list(typer.main.get_command(cli.app).commands)  # type: ignore[attr-defined]
+STAGES = list(typer.main.get_command(cli.commands([])).commands)  # type: ignore[attr-defined]
 HEAVY = {"torch", "lerobot", "pybullet", "numpy", "matplotlib", "datasets"}
 
 DRIVES = {
@@ -339,3 +339,54 @@ def test_the_cut_of_a_rollout_is_its_safety_policys_own(
         assert int(driven.column("intervention").sum()) == drove
         assert run(capsys, monkeypatch, "select", name, f"new_{name}")[0] == 0
         assert len(Dataset.open(Path(f"new_{name}"))) == drove
+
+
+def test_the_settings_of_a_task_are_options_of_the_commands_that_drive(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Of the car by default; of whatever task is named otherwise."""
+    for task, expected in (
+        ([], "--offset-spread"),
+        (["--task", "driving"], "--offset-spread"),
+        (["--task", "tests.stages.pendulum:Pendulum"], "--length"),
+    ):
+        monkeypatch.setattr(sys, "argv", ["safedagger", "collect", *task, "--help"])
+        with pytest.raises(SystemExit):
+            cli.main()
+        shown = capsys.readouterr().out
+        assert expected in shown and "--episodes" in shown
+        assert ("--tracks" in shown) == (expected == "--offset-spread")
+
+
+@pytest.mark.parametrize("task", ["nowhere", "json:dumps", "tests.stages.pendulum:Nothing"])
+def test_a_task_that_there_is_not_is_named_in_one_line(
+    task: str, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    code, error = run(capsys, monkeypatch, "collect", "out", "--task", task)
+    assert code == 2
+    assert len(error.splitlines()) == 1
+    assert error.startswith(f"safedagger: task {task!r}") and "expected" in error
+
+
+def test_another_task_is_driven_by_the_same_commands(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A world in one file: collected by its reference, selected from, merged, counted, shown."""
+    from pipeline.data.dataset import Dataset
+
+    monkeypatch.chdir(tmp_path)
+    task = ("--task", "tests.stages.pendulum:Pendulum", "--length", "1.5", "--seed", "0")
+    for name, purpose in (("D_0", "D_0"), ("more", "supervised")):
+        how = ("--episodes", "2", "--iteration", "0", "--purpose", purpose, "--workers", "1")
+        assert run(capsys, monkeypatch, "collect", name, *task, *how) == (0, "")
+    d_0 = Dataset.open(Path("D_0"))
+    assert (len(d_0.lengths), d_0.fps, d_0.info["robot_type"]) == (2, 20, "pendulum")
+    assert d_0.tasks == ["swing up a pendulum of 1.5 m", "hold up a pendulum of 1.5 m"]
+    assert d_0.column("queried").all()
+    state = d_0.columns(["observation.state"])["observation.state"]
+    assert state.shape == (len(d_0), 3) and np.isfinite(state).all()
+    assert d_0.lineage.own.arguments["length"] == 1.5
+    assert [drive["ended"] for drive in d_0.drives] == ["out of time"] * 2
+    assert run(capsys, monkeypatch, "merge", "D_0", "more", "D_1") == (0, "")
+    assert run(capsys, monkeypatch, "ledger", "more", "D_1", "--metrics", "m.json") == (0, "")
+    assert run(capsys, monkeypatch, "inspect", "D_1", "--save", "D_1.rrd") == (0, "")

@@ -1,0 +1,94 @@
+"""The paper's task: a car on a road, asked to keep its lane, to overtake and to brake."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Annotated, ClassVar
+
+import numpy as np
+
+from pipeline.data.schema import Feature
+from pipeline.driving.features import FEATURES, ROBOT_TYPE, check_record_every
+from pipeline.task import Setting, Task
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from pipeline.environment import Environment
+
+
+@dataclass(frozen=True, kw_only=True)
+class Driving(Task):
+    """Where and among how many cars is driven, and for how long.
+
+    Raises:
+        ValueError: unknown track, no room on it for so much traffic, or a number out of its range.
+    """
+
+    name: ClassVar[str] = "driving"
+    robot: ClassVar[str] = ROBOT_TYPE
+    features: ClassVar[Mapping[str, Feature]] = FEATURES
+
+    tracks: Annotated[
+        str, Setting("Names of tracks, separated by commas; 'random:<seed>' is one too.")
+    ]
+    traffic: Annotated[int, Setting("Other cars on the track.", 0)]
+    offset_spread: Annotated[
+        float, Setting("Standard deviation of the initial offset from the lane [m].", 0)
+    ] = 0.0
+    angle_spread: Annotated[
+        float, Setting("Standard deviation of the initial angle to the lane [rad].", 0)
+    ] = 0.0
+    record_every: Annotated[
+        int, Setting("Control steps (1/30 s) in a frame: an action is held for them.", 1)
+    ]
+    seconds: Annotated[float, Setting("Longest time of one drive [s].", 0)]
+    laps: Annotated[float, Setting("Most laps of one drive.", 0)] = np.inf
+
+    def __post_init__(self) -> None:
+        # what knows tracks takes a while to import, and `--help` need not wait for it
+        from pipeline.driving.tracks import make_track
+        from pipeline.driving.traffic import check_room
+
+        for track in self.scenarios:
+            check_room(make_track(track), self.traffic)
+        check_record_every(self.record_every)
+        if not 0 < self.seconds < np.inf:
+            raise ValueError(f"seconds is {self.seconds}, expected a number above 0")
+        if not self.laps > 0:
+            raise ValueError(f"laps is {self.laps}, expected a number above 0")
+        for spread in (self.offset_spread, self.angle_spread):
+            if not 0 <= spread < np.inf:
+                raise ValueError(f"spread is {spread}, expected a number of at least 0")
+
+    @property
+    def fps(self) -> int:
+        """Frames per second."""
+        return check_record_every(self.record_every)
+
+    @property
+    def scenarios(self) -> list[str]:
+        """The tracks."""
+        return [track.strip() for track in self.tracks.split(",")]
+
+    def describe(self, scenario: str) -> str:
+        """The track and its traffic."""
+        return f"drive on {scenario} with {self.traffic} other cars"
+
+    def environment(self, scenario: str) -> Environment:
+        """The track, with a new start at each `reset`."""
+        from pipeline.driving.environment import DrivingEnv
+
+        return DrivingEnv(
+            track=scenario,
+            traffic=self.traffic,
+            spread=(self.offset_spread, self.angle_spread),
+            record_every=self.record_every,
+            laps=self.laps,
+            seconds=self.seconds,
+        )
+
+    def deviation(self, proposed: NDArray, reference: NDArray) -> NDArray[np.float64]:
+        """The squared difference of the steerings, in [0, 4]: the brakes are not in it."""
+        return np.square(proposed[:, 0].astype(np.float64) - reference[:, 0].astype(np.float64))

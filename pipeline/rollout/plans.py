@@ -1,0 +1,74 @@
+"""What is to be driven. Every drive has a random generator of its own, so their order does not
+matter.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from pipeline.environment import Environment
+from pipeline.policies.inference import Driver
+from pipeline.rollout.asking import Reference
+from pipeline.rollout.loop import Frame, drive
+from pipeline.rollout.rules.rule import Rule
+from pipeline.task import Task
+
+SEED_STREAMS = {
+    "D_0": 0,
+    "D_safe": 1,
+    "D_held": 2,
+    "supervised": 10,
+    "rollout": 100,
+    "evaluation": 1000,
+    "film": 2000,
+}
+"""The second number of every drive's seed: no two collections of an experiment meet the same random
+numbers.
+"""
+_RULE = 1  # the last number of the seed of a rule's own generator
+
+
+@dataclass(frozen=True)
+class Plan:
+    """One drive."""
+
+    task: Task
+    scenario: str
+    """one of the task's"""
+    rule: Rule
+    """who drives"""
+    seed: tuple[int, ...]
+    """of the drive: up to four numbers below 2**32"""
+
+    @property
+    def description(self) -> str:
+        """The scenario in words, as datasets carry it."""
+        return self.task.describe(self.scenario)
+
+
+def driven(
+    plan: Plan, driver: Driver | None, *, measure: bool = True
+) -> Iterator[tuple[Environment, Frame]]:
+    """The frames of a drive, each with the environment as it is at its end."""
+    env = plan.task.environment(plan.scenario)
+    try:
+        for frame in drive(
+            env,
+            driver,
+            plan.rule,
+            seed=one_number(plan.seed),
+            rng=np.random.default_rng((*plan.seed, _RULE)),
+            reference=Reference(env, can_look_up=plan.task.can_look_up),
+            measure=measure and plan.task.can_look_up,
+        ):
+            yield env, frame
+    finally:
+        env.close()
+
+
+def one_number(seed: tuple[int, ...]) -> int:
+    """A seed of several numbers below 2**32 as one, for Gymnasium: NumPy draws the same of both."""
+    return sum(number << (32 * place) for place, number in enumerate(seed))

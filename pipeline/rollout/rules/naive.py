@@ -1,0 +1,17 @@
+"""The primary always drives (Sec. 2.5)."""
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+from pipeline.rollout.rules.rule import NOT_ASKED, Decision, Rule, Signals
+
+
+@dataclass(frozen=True)
+class Naive(Rule):
+    """The primary always drives, and nobody is asked."""
+
+    name: ClassVar[str] = "naive"
+
+    def decide(self, signals: Signals) -> Decision:
+        """It does."""
+        return NOT_ASKED

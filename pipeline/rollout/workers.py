@@ -1,0 +1,39 @@
+"""Drives in several processes."""
+
+import warnings
+from collections.abc import Callable, Iterable, Iterator
+
+import torch
+from joblib import Parallel, delayed
+from joblib.externals.loky.process_executor import TerminatedWorkerError
+
+
+def in_order[Result](
+    job: Callable[..., Result], arguments: Iterable[tuple], workers: int
+) -> Iterator[Result]:
+    """Run `job(*arguments)` in `workers` processes; the results come in the order of the arguments,
+    as they are ready.
+
+    Raises:
+        OSError: the system killed one of them.
+    """
+    pool = Parallel(n_jobs=workers, return_as="generator", batch_size=1, pre_dispatch="2 * n_jobs")
+    results = pool(delayed(_on_one_thread)(job, each) for each in arguments)
+    try:
+        for result in results:  # noqa: UP028 (the warning below is given when `results` is closed)
+            yield result
+    except TerminatedWorkerError:
+        raise OSError(
+            "a worker process was killed, maybe for want of memory: try fewer workers"
+        ) from None
+    finally:
+        with warnings.catch_warnings():
+            # Whoever has enough stops early: what was begun beyond that is meant to be lost.
+            warnings.simplefilter("ignore", UserWarning)
+            results.close()
+
+
+def _on_one_thread[Result](job: Callable[..., Result], arguments: tuple) -> Result:
+    """Another number of threads may round differently, and then so would another number of workers."""
+    torch.set_num_threads(1)
+    return job(*arguments)

@@ -1,0 +1,96 @@
+"""The seam to a world: what a robot sees and does there, who can be asked, what a drive comes to.
+
+In the shapes, N is the number of frames and A of the numbers in an action.
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Mapping
+from dataclasses import dataclass, fields
+from importlib import import_module
+from typing import TYPE_CHECKING, Any, ClassVar, get_type_hints
+
+from pipeline.data.schema import Feature
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+    from pipeline.environment import Environment
+
+TASKS = {"driving": "pipeline.driving.task:Driving"}
+"""Where each task is; one of your own may be named in the same way, as "module:class"."""
+
+
+@dataclass(frozen=True)
+class Setting:
+    """What there is to know of a field of a task: `Annotated[int, Setting("Other cars.", 0)]`."""
+
+    help: str
+    """one sentence, with the unit"""
+    least: float | None = None
+    """the smallest value that makes sense"""
+
+
+class Task(ABC):
+    """A world with its settings; it can be pickled, and makes its environments where they are driven.
+
+    A subclass is a frozen dataclass: its fields, each with a `Setting`, are what commands take.
+    """
+
+    name: ClassVar[str]
+    robot: ClassVar[str]
+    """LeRobot's `robot_type`"""
+    features: ClassVar[Mapping[str, Feature]]
+    """all columns of its datasets: observations, core, hidden"""
+    can_look_up: ClassVar[bool] = True
+    """whether its reference answers for nothing: a rule in a simulator does, a person does not"""
+
+    @property
+    @abstractmethod
+    def fps(self) -> int:
+        """Frames per second."""
+
+    @property
+    @abstractmethod
+    def scenarios(self) -> list[str]:
+        """The names of the situations that it can be driven in."""
+
+    @abstractmethod
+    def describe(self, scenario: str) -> str:
+        """A scenario in words, as LeRobot's `task`."""
+
+    @abstractmethod
+    def environment(self, scenario: str) -> Environment:
+        """A new environment; `close` it."""
+
+    @abstractmethod
+    def deviation(self, proposed: NDArray, reference: NDArray) -> NDArray[np.float64]:
+        """Epsilon [N] of Sec. 3.1 between actions [N, A]; NaN where one is."""
+
+
+def load_task(name: str) -> type[Task]:
+    """The task of this name: one of TASKS, or "module:class".
+
+    Raises:
+        ValueError: there is none.
+    """
+    module, _, attribute = TASKS.get(name, name).partition(":")
+    try:
+        found = getattr(import_module(module), attribute)
+    except (ImportError, AttributeError, ValueError):
+        known = ", ".join(TASKS)
+        raise ValueError(f"task {name!r}: expected one of {known}, or module:class") from None
+    if not (isinstance(found, type) and issubclass(found, Task)):
+        raise ValueError(f"task {name!r} is {found!r}, expected a subclass of pipeline.task.Task")
+    return found
+
+
+def settings(task: type[Task]) -> dict[str, tuple[type, Setting, Any]]:
+    """By the name of a field: its type, what there is to know, and its default if it has one."""
+    hints = get_type_hints(task, include_extras=True)
+    return {
+        each.name: (hints[each.name].__origin__, hints[each.name].__metadata__[0], each.default)
+        for each in fields(task)  # type: ignore[arg-type]
+    }

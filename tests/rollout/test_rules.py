@@ -1,0 +1,108 @@
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from pipeline.data.schema import Asked
+from pipeline.rollout.judgement import Judgement
+from pipeline.rollout.rules.mixture import Mixture
+from pipeline.rollout.rules.naive import Naive
+from pipeline.rollout.rules.optimal import Optimal
+from pipeline.rollout.rules.reference import Reference
+from pipeline.rollout.rules.rule import Decision, Rule, Signals
+from pipeline.rollout.rules.safe import Safe
+from pipeline.rollout.strategies import DRIVING, parse_driving
+
+shares = st.floats(0, 1)
+known = st.one_of(shares, st.just(math.nan))
+STEERING = Judgement(0.5, 0.0, include_brake=False).deviation
+
+
+def decide(rule: Rule, safe_probability: float = math.nan, apart: float = 0.0) -> Decision:
+    """What a rule says where the two steerings are so far apart."""
+    primary, reference = np.float32([apart, 0]), np.float32([0, 0])
+    return rule.decide(Signals(primary, {"safe_probability": safe_probability}, reference))
+
+
+@given(known, st.floats(0, 2))
+def test_reference_always_drives_in_reference_and_never_in_naive(
+    safe_probability: float, apart: float
+) -> None:
+    assert decide(Reference(), safe_probability, apart) == Decision(True, Asked.DROVE, 1)
+    assert decide(Naive(), safe_probability, apart) == Decision(False, Asked.NOT, 0)
+
+
+@pytest.mark.parametrize(
+    ("safe_probability", "cut", "drives"),
+    [
+        (0.0, 0.5, True),
+        (0.499, 0.5, True),
+        (0.5, 0.5, False),
+        (1.0, 0.5, False),
+        (0.4, 0.3, False),
+        (0.2, 0.3, True),
+        (0.0, 0.0, False),
+        (0.999, 1.0, True),
+    ],
+)
+def test_safe_hands_over_below_the_cut(safe_probability: float, cut: float, drives: bool) -> None:
+    """Eq. 2's polarity: 1 is safe, so a low probability calls the reference."""
+    decision = decide(Safe(cut), safe_probability)
+    assert (decision.reference_drives, decision.asked is Asked.DROVE) == (drives, drives)
+
+
+@given(shares)
+def test_a_safety_policy_that_answers_nan_is_not_trusted(cut: float) -> None:
+    assert decide(Safe(cut), math.nan).reference_drives
+    nothing = Signals(np.zeros(2, np.float32), {}, np.zeros(2, np.float32))
+    assert Safe(cut).decide(nothing).reference_drives
+
+
+@pytest.mark.parametrize(("apart", "drives"), [(0.0, False), (0.0499, False), (0.051, True)])
+def test_optimal_hands_over_above_the_threshold(apart: float, drives: bool) -> None:
+    assert decide(Optimal(0.0025, STEERING), apart=apart).reference_drives is drives
+
+
+def test_only_the_optimal_rule_must_see_the_reference_first() -> None:
+    rules = (Reference(), Naive(), Safe(0.5), Mixture(0.5))
+    assert Optimal(0.1, STEERING).looks_up and not any(rule.looks_up for rule in rules)
+
+
+@given(shares, st.integers(0, 99))
+def test_a_mixture_draws_from_its_own_generator_and_always_asks(beta: float, seed: int) -> None:
+    rule = Mixture(beta)
+    rule.begin(np.random.default_rng(seed))
+    draws = np.random.default_rng(seed).random(5)
+    for draw in draws:
+        decision = decide(rule)
+        assert decision.reference_drives is bool(draw < beta)
+        assert decision.asked is (Asked.DROVE if draw < beta else Asked.MIXTURE)
+        assert decision.ask_probability == 1
+
+
+def test_a_mixture_without_beta_is_naive_and_with_all_of_it_the_reference() -> None:
+    """Dagger's default schedule, I(i = 0), from the first iteration on: the primary alone."""
+    assert not any(decide(Mixture(0.0)).reference_drives for _ in range(9))
+    assert all(decide(Mixture(1.0)).reference_drives for _ in range(9))
+
+
+@pytest.mark.parametrize(
+    ("make", "named"),
+    [
+        (lambda: Safe(1.1), "cut"),
+        (lambda: Optimal(-1.0, STEERING), "tau"),
+        (lambda: Mixture(math.nan), "beta"),
+    ],
+)
+def test_numbers_out_of_range_are_refused(make: object, named: str) -> None:
+    assert callable(make)
+    with pytest.raises(ValueError, match=f"^{named} is .*, expected a number from 0 to"):
+        make()
+
+
+def test_a_primary_is_evaluated_by_the_strategies_of_the_paper_and_the_optimal_one() -> None:
+    assert [parse_driving(name) for name in ("naive", "safe", "optimal")] == list(DRIVING)
+    with pytest.raises(ValueError, match="'mixture': expected one of naive, safe, optimal"):
+        parse_driving("mixture")
