@@ -33,13 +33,13 @@ def errors(
     from pipeline.learning.labels import LabelRule, threshold_for_share
     from pipeline.learning.safety import judge
     from pipeline.output import check_place, write_file
-    from pipeline.policies.loading import load_primary, read_brake_cut
+    from pipeline.policies.loading import load_primary
 
     check_place(figure, metrics)
-    network, brake_cut = load_primary(primary), read_brake_cut(primary)
+    network = load_primary(primary)
     rule = LabelRule(include_brake=False, horizon=0.0, mode="last")
     deviations = {
-        name: judge(network, Dataset.open(dataset), brake_cut=brake_cut, rule=rule).deviation
+        name: judge(network, Dataset.open(dataset), rule=rule).deviation
         for name, dataset in (("trained on", trained), ("held out", held_out))
     }
     summaries = {name: error_summary(found, tau) for name, found in deviations.items()}

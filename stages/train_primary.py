@@ -51,13 +51,13 @@ def train_primary(
     from pipeline.data.labels import check_labels
     from pipeline.data.lineage import Recipe
     from pipeline.driving.features import CAMERA, IMITATED
+    from pipeline.driving.network import LossWeights
+    from pipeline.driving.policy import PrimaryConfig, PrimaryPolicy
     from pipeline.driving.traffic import SENSOR_RANGE
     from pipeline.learning.settings import PrimarySettings
     from pipeline.learning.training import train_primary as train
     from pipeline.output import new_directory
     from pipeline.policies.loading import load_primary, policy_lineage, weights_sha256
-    from pipeline.policies.network import LossWeights
-    from pipeline.policies.primary import PrimaryConfig, PrimaryPolicy
 
     loss = LossWeights(steering=steering_weight, brake=brake_weight, brake_on=brake_on)
     settings = PrimarySettings(
@@ -72,6 +72,7 @@ def train_primary(
         threads=threads,
         channels=channels,
         sensor_range=SENSOR_RANGE,
+        brake_cut=brake_cut,
         loss=loss,
         jitter=jitter,
         mirror=mirror,

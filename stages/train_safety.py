@@ -78,12 +78,7 @@ def train_safety(
     from pipeline.learning.training import safe_probabilities
     from pipeline.learning.training import train_safety as train
     from pipeline.output import check_place, new_directory
-    from pipeline.policies.loading import (
-        load_primary,
-        policy_lineage,
-        read_brake_cut,
-        weights_sha256,
-    )
+    from pipeline.policies.loading import load_primary, policy_lineage, weights_sha256
     from pipeline.policies.safety import SafetyConfig, SafetyPolicy
 
     check_place(metrics)
@@ -103,7 +98,7 @@ def train_safety(
     network = load_primary(primary)
     config = SafetyConfig(
         primary_sha256=weights_sha256(primary),
-        channels=network.channels,
+        features=network.feature_size,
         hidden=hidden,
         tau=tau,
         cut=cut,
@@ -116,7 +111,7 @@ def train_safety(
     with new_directory(output) as folder:
         safe_data, own_data = Dataset.open(d_safe), Dataset.open(dataset)
         refuse_shared(own_data, safe_data)
-        judged = partial(judge, network, brake_cut=read_brake_cut(primary), rule=rule)
+        judged = partial(judge, network, rule=rule)
         unseen = judged(safe_data)
         kept = held_out_episodes(unseen, held_out, np.random.default_rng(seed))
         shown = unseen.only(~kept) + judged(own_data)

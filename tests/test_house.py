@@ -20,8 +20,8 @@ HEAVY = ("torch", "lerobot", "pybullet", "gymnasium", "datasets", "pandas", "sci
 MAY_IMPORT = {
     "pipeline": {"pipeline", "pipeline.data"},  # pipeline.task, the seam to a world
     "pipeline.data": {"pipeline"},
-    "pipeline.driving": {"pipeline", "pipeline.data"},
-    "pipeline.policies": {"pipeline", "pipeline.data", "pipeline.driving"},
+    "pipeline.policies": {"pipeline", "pipeline.data"},
+    "pipeline.driving": {"pipeline", "pipeline.data", "pipeline.policies"},
     "pipeline.rollout": {"pipeline", "pipeline.data", "pipeline.driving", "pipeline.policies"},
     "pipeline.learning": {"pipeline", "pipeline.data", "pipeline.driving", "pipeline.policies"},
     "pipeline.evaluation": {

@@ -21,6 +21,7 @@ from pipeline.rollout.strategies import Strategy
 
 _CONFIG = {
     "primary_sha256": "of the weights of the primary that it watches: it fits no other",
+    "features": "numbers that it reads of what its primary looked at",
     "channels": "channels of Conv1 to Conv4; Conv5 has twice as many",
     "sensor_range": "distance that its affordances know as 1 [m]",
     "brake_cut": "it brakes where the brake's probability is above this",

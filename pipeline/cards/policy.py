@@ -8,7 +8,7 @@ from typing import Any
 from torch import Tensor
 
 from pipeline.policies.loading import (
-    PRIMARY_TYPE,
+    PRIMARIES,
     SAFETY_TYPE,
     load_primary,
     load_safety,
@@ -32,7 +32,7 @@ class PolicyFacts:
 
     name: str
     kind: str
-    """PRIMARY_TYPE or SAFETY_TYPE"""
+    """LeRobot's name for it"""
     config: Mapping[str, Any]
     parts: list[Part]
 
@@ -58,18 +58,10 @@ def read_policy(path: Path) -> PolicyFacts:
     Raises:
         ValueError: files are missing, of another kind of policy, or do not fit.
     """
-    kind, load = (
-        (SAFETY_TYPE, load_safety) if _claims_to_be_safety(path) else (PRIMARY_TYPE, load_primary)
-    )
-    return PolicyFacts(path.name, kind, read_config(path, kind), _parts(load(path).state_dict()))
-
-
-def _claims_to_be_safety(path: Path) -> bool:
-    try:
-        read_config(path, SAFETY_TYPE)
-    except ValueError:
-        return False  # then it has to be a primary
-    return True
+    config = read_config(path, *PRIMARIES, SAFETY_TYPE)
+    load = load_safety if config.kind == SAFETY_TYPE else load_primary
+    weights = load(path).state_dict()
+    return PolicyFacts(path.name, config.kind, config.content, _parts(weights))
 
 
 def _parts(weights: Mapping[str, Tensor]) -> list[Part]:

@@ -24,7 +24,9 @@ def quickstart(
     rule = f"safe.Safe({policy.config['cut']})" if safety else "naive.Naive()"
     strategy = Strategy.SAFE if safety else Strategy.NAIVE
     track = next(iter(TEST))
-    kind, name = ("safety", "SafetyPolicy") if safety else ("primary", "PrimaryPolicy")
+    kind, name = (
+        ("policies.safety", "SafetyPolicy") if safety else ("driving.policy", "PrimaryPolicy")
+    )
     return f"""```python
 from pathlib import Path
 from pipeline.driving.task import Driving
@@ -42,4 +44,4 @@ for _, frame in plans.driven(plan, driver):
 
 In a checkout of the project, with its environment active. It drives by the {strategy} strategy, on the test track
 {track} with {_TRAFFIC} other cars, for at most {_SECONDS} s.
-To LeRobot it is `pipeline.policies.{kind}.{name}`, whose `from_pretrained` loads it too."""
+To LeRobot it is `pipeline.{kind}.{name}`, whose `from_pretrained` loads it too."""

@@ -12,10 +12,9 @@ from numpy.typing import NDArray
 from pipeline.data.dataset import Dataset
 from pipeline.data.images import read_images
 from pipeline.data.labels import check_labels
-from pipeline.driving.features import CAMERA, DRIVEN
 from pipeline.learning.labels import LabelRule
 from pipeline.policies.inference import propose
-from pipeline.policies.network import PrimaryNetwork
+from pipeline.policies.network import ConvNetwork
 
 
 @dataclass(frozen=True)
@@ -23,7 +22,7 @@ class Judged:
     """Frames with a primary's features and its deviation from the reference. N frames, F features."""
 
     features: NDArray[np.float16]
-    """[N, F], Conv5"""
+    """[N, F], what the primary looked at"""
     deviation: NDArray[np.float32]
     """[N], what Eq. 2 compares with tau"""
     episode_index: NDArray[np.int64]
@@ -43,23 +42,23 @@ class Judged:
         return Judged(self.features[rows], self.deviation[rows], self.episode_index[rows])
 
 
-def judge(
-    primary: PrimaryNetwork, dataset: Dataset, *, brake_cut: float, rule: LabelRule
-) -> Judged:
+def judge(primary: ConvNetwork, dataset: Dataset, *, rule: LabelRule) -> Judged:
     """Run a primary over a dataset whose every frame carries the reference's action.
 
     Args:
-        primary: brakes where the brake's probability is above `brake_cut`, [0, 1].
-        dataset: of the car.
+        primary: a trained primary network.
+        dataset: with the columns that it sees, and its actions.
         rule: what counts as a deviation.
 
     Raises:
         ValueError: another robot's dataset, or frames in it that the reference was not asked about.
     """
-    dataset.require(DRIVEN)
+    dataset.require({**primary.seen, "action": primary.action})
     check_labels(dataset)
-    actions = dataset.columns(["action"])["action"]
-    proposed, features = propose(primary, read_images(dataset, CAMERA), brake_cut=brake_cut)
+    columns = dataset.columns(["action", *(n for n in primary.seen if n != primary.camera)])
+    actions = columns["action"]
+    seen = {**columns, primary.camera: read_images(dataset, primary.camera)}
+    proposed, features = propose(primary, seen)
     epsilon = rule.deviation(proposed, actions, dataset.episode_index, dataset.fps)
     return Judged(features, epsilon, dataset.episode_index)
 

@@ -4,7 +4,8 @@ import math
 from dataclasses import dataclass, field
 from typing import Literal
 
-from pipeline.policies.network import CHANNELS, LossWeights
+from pipeline.driving.network import LossWeights
+from pipeline.policies.network import CHANNELS
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -65,6 +66,8 @@ class PrimarySettings(Optimisation):
     """>= 1, of Conv1 to Conv4."""
     sensor_range: float = 60.0
     """> 0 [m], the distance that is predicted as 1."""
+    brake_cut: float = 0.5
+    """[0, 1]: it brakes where the brake's probability is above this."""
     loss: LossWeights = field(default_factory=LossWeights)
     jitter: float = 0.0
     """[0, 1), how far brightness, contrast and the three colours of an image are moved."""
@@ -77,6 +80,7 @@ class PrimarySettings(Optimisation):
         super().__post_init__()
         check("channels", self.channels, at_least=1)
         check("sensor_range", self.sensor_range, above=0)
+        check("brake_cut", self.brake_cut, at_least=0, at_most=1)
         check("jitter", self.jitter, at_least=0, below=1)
 
 

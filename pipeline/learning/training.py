@@ -13,17 +13,12 @@ import torch.nn.functional as F
 from torch import Tensor
 
 from pipeline.driving.features import ACTIONS, AFFORDANCES, IMAGE_SHAPE
+from pipeline.driving.network import PrimaryNetwork, primary_loss
 from pipeline.learning.augmentation import jitter, mirror
 from pipeline.learning.fitting import Metrics, OnEpoch, fit, split_episodes
 from pipeline.learning.settings import PrimarySettings, SafetySettings
 from pipeline.policies.computing import computing
-from pipeline.policies.network import (
-    PrimaryNetwork,
-    SafetyNetwork,
-    has_bfloat16,
-    primary_loss,
-    to_float,
-)
+from pipeline.policies.network import SafetyNetwork, has_bfloat16, to_float
 
 _MEASURED = 256
 """Held-out frames that are measured at a time."""
@@ -66,7 +61,7 @@ def train_primary(
     generator = torch.Generator().manual_seed(settings.seed)
     rng = np.random.default_rng(settings.seed)
     rows, held_out = split_episodes(episode_index, settings.validation, rng)
-    network = PrimaryNetwork(settings.channels, generator=generator)
+    network = PrimaryNetwork(settings.channels, brake_cut=settings.brake_cut, generator=generator)
     if initial is not None:
         _begin_with(network, initial)
 

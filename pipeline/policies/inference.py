@@ -1,7 +1,7 @@
 """Driving with trained networks, without LeRobot.
 
-Plain PyTorch: quick to import in the processes that drive. In the shapes, N is the number of images
-and F the numbers in Conv5's activations of one.
+Plain PyTorch: quick to import in the processes that drive. In the shapes, N is the number of frames,
+A of the numbers in an action and F of those that a safety policy reads.
 """
 
 import copy
@@ -13,17 +13,9 @@ import numpy as np
 import torch
 from torch import Tensor
 
-from pipeline.driving.features import CAMERA, IMAGE_SHAPE
 from pipeline.policies.computing import computing
-from pipeline.policies.loading import check_pair, load_primary, load_safety, read_brake_cut
-from pipeline.policies.network import (
-    PrimaryNetwork,
-    SafetyNetwork,
-    feature_size,
-    has_bfloat16,
-    to_actions,
-    to_float,
-)
+from pipeline.policies.loading import check_pair, load_primary, load_safety
+from pipeline.policies.network import ConvNetwork, SafetyNetwork, has_bfloat16
 
 _PROPOSED = 32
 """Images at a time: more do not fit into a processor's cache."""
@@ -36,31 +28,27 @@ class Driver:
 
     Args:
         primary: a trained primary network.
-        safety: the safety network that was trained on this primary's Conv5.
-        brake_cut: [0, 1], the brake is on where its probability is above this.
+        safety: the safety network that was trained on what this primary looked at.
         bfloat16: whether the convolutions may compute in bfloat16, on processors that can.
 
     Raises:
-        ValueError: `safety` does not fit the primary's Conv5.
+        ValueError: `safety` does not fit the primary.
     """
 
     def __init__(
         self,
-        primary: PrimaryNetwork,
+        primary: ConvNetwork,
         safety: SafetyNetwork | None = None,
         *,
-        brake_cut: float,
         bfloat16: bool = True,
     ) -> None:
-        size = feature_size(primary.channels)
+        size = primary.feature_size
         if safety is not None and safety.in_features != size:
             raise ValueError(
-                f"safety takes {safety.in_features} numbers, expected the {size} of this "
-                "primary's Conv5"
+                f"safety takes {safety.in_features} numbers, expected the {size} of this primary"
             )
         self.primary = _ready(primary, bfloat16)
         self.safety = copy.deepcopy(safety).eval() if safety is not None else None
-        self.brake_cut = brake_cut
 
     @classmethod
     def load(cls, primary: Path, safety: Path | None = None, *, bfloat16: bool = True) -> Self:
@@ -72,41 +60,39 @@ class Driver:
         """
         if safety is not None:
             check_pair(primary, safety)
-        return cls(
-            load_primary(primary),
-            load_safety(safety) if safety is not None else None,
-            brake_cut=read_brake_cut(primary),
-            bfloat16=bfloat16,
-        )
+        watching = load_safety(safety) if safety is not None else None
+        return cls(load_primary(primary), watching, bfloat16=bfloat16)
 
     def propose(self, seen: Mapping[str, np.ndarray]) -> tuple[np.ndarray, dict[str, float]]:
         """The primary's action for an observation by column, and what the policies say beside it.
 
         Returns:
-            float32 [2]; and "safe_probability" [0, 1] where there is a safety policy.
-        """
-        action, conv5 = self.act(seen[CAMERA])
-        return action, {"safe_probability": self.safe_probability(conv5)} if self.safety else {}
-
-    def act(self, image: np.ndarray) -> tuple[np.ndarray, Tensor]:
-        """The primary's action for one camera image, and the Conv5 activations behind it.
-
-        Args:
-            image: uint8 [72, 160, 3].
-
-        Returns:
-            float32 [2], steering [-1, 1] and brake {0, 1}; and a tensor for `safe_probability`.
+            float32 [A]; and "safe_probability" [0, 1] where there is a safety policy.
 
         Raises:
-            ValueError: another shape or type of image.
+            ValueError: a column is missing, or of another shape or type.
         """
-        if image.shape != IMAGE_SHAPE or image.dtype != np.uint8:
-            raise ValueError(f"image is {image.dtype} {image.shape}, expected uint8 {IMAGE_SHAPE}")
-        with torch.inference_mode():
-            actions, conv5 = _propose(self.primary, torch.tensor(image)[None], self.brake_cut)
-        return actions[0].numpy(), conv5
+        action, looked = self.act(seen)
+        return action, {"safe_probability": self.safe_probability(looked)} if self.safety else {}
 
-    def safe_probability(self, conv5: Tensor) -> float:
+    def act(self, seen: Mapping[str, np.ndarray]) -> tuple[np.ndarray, Tensor]:
+        """The primary's action float32 [A], and what it looked at, for `safe_probability`.
+
+        Raises:
+            ValueError: as `propose`.
+        """
+        for name, feature in self.primary.seen.items():
+            kind = "uint8" if name == self.primary.camera else feature["dtype"]
+            found = seen.get(name)
+            if found is None or (str(found.dtype), found.shape) != (kind, feature["shape"]):
+                what = "missing" if found is None else f"{found.dtype} {found.shape}"
+                raise ValueError(f"{name} is {what}, expected {kind} {feature['shape']}")
+        with torch.inference_mode():
+            batch = {name: torch.tensor(seen[name])[None] for name in self.primary.seen}
+            looked = self.primary.look(batch)
+            return self.primary.act(looked)[0].numpy(), looked
+
+    def safe_probability(self, looked: Tensor) -> float:
         """The probability [0, 1] that the primary is safe (Eq. 2), from `act`'s second result.
 
         Raises:
@@ -115,41 +101,36 @@ class Driver:
         if self.safety is None:
             raise ValueError("this driver has no safety policy, expected one")
         with torch.inference_mode():
-            return float(self.safety(conv5).softmax(1)[0, 1])
+            return float(self.safety(looked).softmax(1)[0, 1])
 
 
 def propose(
-    network: PrimaryNetwork, images: np.ndarray, *, brake_cut: float, bfloat16: bool = True
+    network: ConvNetwork, seen: Mapping[str, np.ndarray], *, bfloat16: bool = True
 ) -> tuple[np.ndarray, np.ndarray]:
-    """What a primary proposes for many images, and Conv5's activations, in one pass.
+    """What a primary proposes for many frames, and what it looked at, in one pass.
 
     Args:
         network: a trained primary network.
-        images: uint8 [N, 72, 160, 3].
-        brake_cut: [0, 1], the brake is on where its probability is above this.
+        seen: by column [N, ...]; images are uint8 [N, H, W, 3].
         bfloat16: as for `Driver`.
 
     Returns:
-        float32 [N, 2], steering [-1, 1] and brake {0, 1}; and float16 [N, F].
+        float32 [N, A]; and float16 [N, F].
     """
     ready = _ready(network, bfloat16)
-    actions = np.empty((len(images), 2), np.float32)
-    conv5 = np.empty((len(images), feature_size(network.channels)), np.float16)
+    frames = len(seen[network.camera])
+    actions = np.empty((frames, *network.action["shape"]), np.float32)
+    looked = np.empty((frames, network.feature_size), np.float16)
     with torch.inference_mode(), computing():
-        for start in range(0, len(images), _PROPOSED):
+        for start in range(0, frames, _PROPOSED):
             rows = slice(start, start + _PROPOSED)
-            proposed, features = _propose(ready, torch.tensor(images[rows]), brake_cut)
-            actions[rows] = proposed.numpy()
-            conv5[rows] = features.flatten(1).half().numpy()
-    return actions, conv5
+            features = ready.look({name: torch.tensor(seen[name][rows]) for name in network.seen})
+            actions[rows] = ready.act(features).numpy()
+            looked[rows] = features.flatten(1).half().numpy()
+    return actions, looked
 
 
-def _propose(ready: PrimaryNetwork, images: Tensor, brake_cut: float) -> tuple[Tensor, Tensor]:
-    conv5 = ready.features(to_float(images)).float()
-    return to_actions(*ready.action_heads(conv5), brake_cut), conv5
-
-
-def _ready(network: PrimaryNetwork, bfloat16: bool) -> PrimaryNetwork:
+def _ready(network: ConvNetwork, bfloat16: bool) -> ConvNetwork:
     """A copy to infer with; converted once here, not at each image as autocast would."""
     ready = copy.deepcopy(network).eval().requires_grad_(False)
     if bfloat16 and has_bfloat16():

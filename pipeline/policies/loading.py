@@ -2,6 +2,8 @@
 
 import hashlib
 import json
+from dataclasses import dataclass
+from importlib import import_module
 from pathlib import Path
 from types import UnionType
 from typing import Any
@@ -11,7 +13,7 @@ from safetensors.torch import load_file
 from torch import Tensor, nn
 
 from pipeline.data.lineage import Lineage
-from pipeline.policies.network import PrimaryNetwork, SafetyNetwork, feature_size
+from pipeline.policies.network import ConvNetwork, SafetyNetwork
 
 CONFIG_FILE = "config.json"
 WEIGHTS_FILE = "model.safetensors"
@@ -19,13 +21,49 @@ WEIGHTS_FILE = "model.safetensors"
 
 PRIMARY_TYPE = "safedagger_primary"
 SAFETY_TYPE = "safedagger_safety"
-"""LeRobot's names for the two kinds of policies."""
+"""LeRobot's names for our kinds of policies."""
+
+PRIMARIES = {PRIMARY_TYPE: "pipeline.driving.network:PrimaryNetwork"}
+"""By its type in config.json: where the network of a primary is, as "module:class"."""
+
+LABELS = ("tau", "include_brake", "horizon", "horizon_mode")
+"""What a safety policy's configuration says of the labels that it learned."""
 
 
-def load_primary(directory: Path) -> PrimaryNetwork:
-    """The primary network in a policy's directory; ValueError where it is missing or misfits."""
-    config = read_config(directory, PRIMARY_TYPE)
-    network = PrimaryNetwork(_field(directory, config, "channels", int))
+@dataclass(frozen=True)
+class Config:
+    """The configuration of a saved policy."""
+
+    path: Path
+    content: dict[str, Any]
+
+    @property
+    def kind(self) -> str:
+        """LeRobot's name for it; empty where there is none."""
+        kind = self.content.get("type", "")
+        return kind if isinstance(kind, str) else ""
+
+    def number(self, name: str) -> Any:
+        """The number of this name; ValueError where there is none."""
+        return self._field(name, int | float, "a number")
+
+    def text(self, name: str) -> str:
+        """The text of this name; ValueError where there is none."""
+        found: str = self._field(name, str, "text")
+        return found
+
+    def _field(self, name: str, kind: type | UnionType, expected: str) -> Any:
+        found = self.content.get(name)
+        if not isinstance(found, kind) or isinstance(found, bool):
+            raise ValueError(f"{self.path}: {name} is {found!r}, expected {expected}")
+        return found
+
+
+def load_primary(directory: Path) -> ConvNetwork:
+    """The network of a primary in a policy's directory; ValueError where it is missing or misfits."""
+    config = read_config(directory, *PRIMARIES)
+    module, _, name = PRIMARIES[config.kind].partition(":")
+    network: ConvNetwork = getattr(import_module(module), name).of(config)
     load_weights(network, directory)
     return network
 
@@ -33,35 +71,29 @@ def load_primary(directory: Path) -> PrimaryNetwork:
 def load_safety(directory: Path) -> SafetyNetwork:
     """The safety network in a policy's directory; ValueError where it is missing or misfits."""
     config = read_config(directory, SAFETY_TYPE)
-    channels, hidden = (_field(directory, config, name, int) for name in ("channels", "hidden"))
-    network = SafetyNetwork(feature_size(channels), hidden)
+    network = SafetyNetwork(config.number("features"), config.number("hidden"))
     load_weights(network, directory)
     return network
 
 
-def read_brake_cut(primary: Path) -> float:
-    """The probability above which a primary brakes; ValueError where it is missing."""
-    config = read_config(primary, PRIMARY_TYPE)
-    return float(_field(primary, config, "brake_cut", int | float))
-
-
-def read_config(directory: Path, kind: str) -> dict[str, Any]:
+def read_config(directory: Path, *kinds: str) -> Config:
     """The configuration of the policy in `directory`.
 
     Raises:
-        ValueError: there is none, it is not JSON, or not of this kind of policy.
+        ValueError: there is none, it is not JSON, or of none of these kinds of policy.
     """
-    path = Path(directory) / CONFIG_FILE
+    path, wanted = Path(directory) / CONFIG_FILE, " or ".join(kinds)
     try:
-        config = json.loads(path.read_text(encoding="utf-8"))
+        content = json.loads(path.read_text(encoding="utf-8"))
     except OSError as error:
-        raise ValueError(f"{path}: {error.strerror}, expected a saved {kind} policy") from None
+        raise ValueError(f"{path}: {error.strerror}, expected a saved {wanted} policy") from None
     except ValueError as error:
-        raise ValueError(f"{path}: not JSON ({error}), expected a saved {kind} policy") from None
-    found = config.get("type") if isinstance(config, dict) else None
-    if found != kind:
-        raise ValueError(f"{path}: the policy's type is {found!r}, expected {kind!r}")
-    return config
+        raise ValueError(f"{path}: not JSON ({error}), expected a saved {wanted} policy") from None
+    found = content.get("type") if isinstance(content, dict) else None
+    if found not in kinds:
+        expected = " or ".join(map(repr, kinds))
+        raise ValueError(f"{path}: the policy's type is {found!r}, expected {expected}")
+    return Config(path, content)
 
 
 def weights_sha256(directory: Path) -> str:
@@ -85,19 +117,15 @@ def policy_lineage(directory: Path) -> Lineage:
     return known if known and known.sha256 == sha256 else Lineage.foreign(sha256)
 
 
-LABELS = ("tau", "include_brake", "horizon", "horizon_mode")
-"""What a safety policy's configuration says of the labels that it learned."""
-
-
 def read_labels(safety: Path) -> dict[str, Any]:
     """By what rule the labels of the safety policy in `safety` were made; raises as `read_config`."""
     config = read_config(safety, SAFETY_TYPE)
-    return {name: config[name] for name in LABELS}
+    return {name: config.content[name] for name in LABELS}
 
 
 def read_cut(safety: Path) -> float:
     """The safe probability below which the policy in `safety` says unsafe; raises as `read_config`."""
-    return float(_field(safety, read_config(safety, SAFETY_TYPE), "cut", int | float))
+    return float(read_config(safety, SAFETY_TYPE).number("cut"))
 
 
 def load_weights(network: nn.Module, directory: Path) -> None:
@@ -121,13 +149,12 @@ def load_weights(network: nn.Module, directory: Path) -> None:
 
 
 def check_pair(primary: Path, safety: Path) -> None:
-    """Check that one policy watches the other: Conv5 of another primary means something else.
+    """Check that one policy watches the other: the features of another primary mean something else.
 
     Raises:
         ValueError: it was trained on another primary; or as `read_config`.
     """
-    config = read_config(safety, SAFETY_TYPE)
-    known = _field(safety, config, "primary_sha256", str)
+    known = read_config(safety, SAFETY_TYPE).text("primary_sha256")
     if known != weights_sha256(primary):
         raise ValueError(f"{safety}: was trained to watch another primary than {primary}")
 
@@ -141,10 +168,3 @@ def _weights(directory: Path) -> Path:
 
 def _describe(weights: Tensor | None) -> str:
     return "none" if weights is None else f"{weights.dtype} {list(weights.shape)}"
-
-
-def _field(directory: Path, config: dict[str, Any], name: str, kind: type | UnionType) -> Any:
-    if not isinstance(config.get(name), kind):
-        path, expected = Path(directory) / CONFIG_FILE, "text" if kind is str else "a number"
-        raise ValueError(f"{path}: {name} is {config.get(name)!r}, expected {expected}")
-    return config[name]

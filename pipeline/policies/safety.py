@@ -1,6 +1,6 @@
 """The safety policy as LeRobot knows policies. In the shapes, B is the batch.
 
-Its observation is the activations of a primary's Conv5, and its action is 1, safe, or 0 (Eq. 2).
+Its observation is what a primary looked at, of ours its Conv5; its action is 1, safe, or 0 (Eq. 2).
 """
 
 import math
@@ -16,10 +16,10 @@ from lerobot.utils.constants import ACTION
 from torch import Tensor
 
 from pipeline.policies.loading import SAFETY_TYPE
-from pipeline.policies.network import CHANNELS, SafetyNetwork, feature_size
-from pipeline.policies.primary import OfflineConfig, OfflinePolicy, Processors, check_feature
+from pipeline.policies.network import SafetyNetwork
+from pipeline.policies.offline import OfflineConfig, OfflinePolicy, Processors, check_feature
 
-CONV5 = "observation.conv5"
+FEATURES = "observation.features"
 
 
 @PreTrainedConfig.register_subclass(SAFETY_TYPE)
@@ -33,8 +33,8 @@ class SafetyConfig(OfflineConfig):
 
     primary_sha256: str = ""
     """Of the weights file of the primary that it watches: it fits no other."""
-    channels: int = CHANNELS
-    """>= 1, of its primary's Conv1 to Conv4."""
+    features: int = 1
+    """>= 1, numbers that it reads of what its primary looked at."""
     hidden: int = 64
     """>= 1, width of each of the two hidden layers."""
     tau: float = 0.0025
@@ -67,27 +67,23 @@ class SafetyConfig(OfflineConfig):
             if not (math.isfinite(value) and 0 <= value <= highest):
                 raise ValueError(f"{name} is {value}, expected a number from 0 to {highest:g}")
         if self.input_features is None:
-            self.input_features = {CONV5: PolicyFeature(FeatureType.STATE, self._conv5_shape)}
+            self.input_features = {FEATURES: PolicyFeature(FeatureType.STATE, (self.features,))}
 
     def validate_features(self) -> None:
-        """Raise a ValueError unless it is from Conv5's activations to one number."""
-        check_feature("input", self.input_features, CONV5, self._conv5_shape)
+        """Raise a ValueError unless it is from what its primary looked at to one number."""
+        check_feature("input", self.input_features, FEATURES, (self.features,))
         check_feature("output", self.output_features, ACTION, (1,))
-
-    @property
-    def _conv5_shape(self) -> tuple[int, ...]:
-        return (feature_size(self.channels),)
 
 
 class SafetyPolicy(OfflinePolicy):
-    """A safety policy: two hidden layers on its primary's Conv5, and Eq. 4's loss.
+    """A safety policy: two hidden layers on what its primary looked at, and Eq. 4's loss.
 
     Args:
         config: see `SafetyConfig`.
         network: trained with the sizes in `config`; None draws one from PyTorch's global generator.
 
     Raises:
-        ValueError: a network of another size, or other features than Conv5 and one action.
+        ValueError: a network of another size, or other features than these and one action.
     """
 
     config_class = SafetyConfig
@@ -99,7 +95,7 @@ class SafetyPolicy(OfflinePolicy):
     ) -> None:
         super().__init__(config)
         config.validate_features()
-        size = feature_size(config.channels)
+        size = config.features
         self.network = network if network is not None else SafetyNetwork(size, config.hidden)
         found = self.network.in_features, self.network.hidden
         if found != (size, config.hidden):
@@ -108,18 +104,18 @@ class SafetyPolicy(OfflinePolicy):
             )
 
     def forward(self, batch: dict[str, Tensor]) -> tuple[Tensor, None]:
-        """Eq. 4 for a batch: `CONV5` [B, F], and "action" [B, 1], 1 where safe and 0 where not."""
+        """Eq. 4 for a batch: `FEATURES` [B, F], and "action" [B, 1], 1 where safe and 0 where not."""
         labels = batch[ACTION].flatten().long()
-        return F.cross_entropy(self.network(batch[CONV5]), labels), None
+        return F.cross_entropy(self.network(batch[FEATURES]), labels), None
 
     @torch.no_grad()
-    def safe_probability(self, conv5: Tensor) -> Tensor:
-        """The probability [B] that the primary is safe, from Conv5's activations [B, F]."""
-        return self.network(conv5).softmax(1)[:, 1]
+    def safe_probability(self, features: Tensor) -> Tensor:
+        """The probability [B] that the primary is safe, from what it looked at [B, F]."""
+        return self.network(features).softmax(1)[:, 1]
 
     def select_action(self, batch: dict[str, Tensor], **_: Any) -> Tensor:
-        """float32 [B, 1]: 0 where `CONV5` [B, F] looks unsafe, else 1."""
-        return (self.safe_probability(batch[CONV5]) >= self.config.cut).float()[:, None]
+        """float32 [B, 1]: 0 where `FEATURES` [B, F] looks unsafe, else 1."""
+        return (self.safe_probability(batch[FEATURES]) >= self.config.cut).float()[:, None]
 
 
 def make_safedagger_safety_pre_post_processors(

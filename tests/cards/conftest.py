@@ -15,11 +15,12 @@ from pipeline.data.merging import merge
 from pipeline.data.selecting import select
 from pipeline.data.writing import write_dataset
 from pipeline.driving.features import ROBOT_TYPE
+from pipeline.driving.network import PrimaryNetwork
+from pipeline.driving.policy import PrimaryConfig, PrimaryPolicy
 from pipeline.evaluation.summary import summarise
 from pipeline.evaluation.writing import write_metrics
 from pipeline.policies.loading import policy_lineage, weights_sha256
-from pipeline.policies.network import PrimaryNetwork, SafetyNetwork, feature_size
-from pipeline.policies.primary import PrimaryConfig, PrimaryPolicy
+from pipeline.policies.network import SafetyNetwork
 from pipeline.policies.safety import SafetyConfig, SafetyPolicy
 from stages.cards import cards as run_stage
 from tests.episodes import JUDGED, LABELS, random_episode, write
@@ -37,9 +38,9 @@ def original(tmp_path_factory: pytest.TempPathFactory) -> Path:
     primary = PrimaryNetwork(2, generator=generator)
     PrimaryPolicy(PrimaryConfig(channels=2), primary).save_pretrained(root / "models/primary_0")
     _tell(root / "models/primary_0", Recipe("primary", {"channels": 2}, [d_0.lineage]))
-    safety = SafetyNetwork(feature_size(2), 4, generator=generator)
+    safety = SafetyNetwork(PrimaryNetwork(2).feature_size, 4, generator=generator)
     watched = weights_sha256(root / "models/primary_0")
-    config = SafetyConfig(primary_sha256=watched, channels=2, hidden=4, cut=0.6)
+    config = SafetyConfig(primary_sha256=watched, features=safety.in_features, hidden=4, cut=0.6)
     SafetyPolicy(config, safety).save_pretrained(root / "models/safety_0")
     watched_policy = policy_lineage(root / "models/primary_0")
     parents = [watched_policy, d_0.lineage]

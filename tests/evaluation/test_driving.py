@@ -3,10 +3,11 @@ from dataclasses import replace
 import pytest
 import torch
 
+from pipeline.driving.network import PrimaryNetwork
 from pipeline.driving.task import Driving
 from pipeline.evaluation.driving import evaluate, plans
 from pipeline.policies.inference import Driver
-from pipeline.policies.network import PrimaryNetwork, SafetyNetwork, feature_size
+from pipeline.policies.network import SafetyNetwork
 from pipeline.rollout.judgement import Judgement
 from pipeline.rollout.plans import Plan
 from pipeline.rollout.rules.rule import Rule
@@ -24,7 +25,7 @@ PLANS = list(plans(TASK, RULES, 2, seed=0))
 def driver() -> Driver:
     generator = torch.Generator().manual_seed(0)
     primary = PrimaryNetwork(2, generator=generator)
-    return Driver(primary, SafetyNetwork(feature_size(2), 4, generator=generator), brake_cut=0.5)
+    return Driver(primary, SafetyNetwork(PrimaryNetwork(2).feature_size, 4, generator=generator))
 
 
 def traffic_of(plan: Plan) -> int:

@@ -7,11 +7,11 @@ import pytest
 import torch
 from PIL import Image
 
+from pipeline.driving.network import PrimaryNetwork
 from pipeline.driving.tracks import make_track
 from pipeline.inspection.film import PRIMARY, REFERENCE, gif, shoot
 from pipeline.inspection.tracks import track_map
 from pipeline.policies.inference import Driver
-from pipeline.policies.network import PrimaryNetwork
 from pipeline.rollout.plans import Plan
 from pipeline.rollout.rules.naive import Naive
 from pipeline.rollout.rules.reference import Reference
@@ -22,7 +22,7 @@ BY_PRIMARY, BY_REFERENCE = (plan(rule, track="yew") for rule in (Naive(), Refere
 
 @pytest.fixture(scope="module")
 def driver() -> Driver:
-    return Driver(PrimaryNetwork(2, generator=torch.Generator().manual_seed(0)), brake_cut=0.5)
+    return Driver(PrimaryNetwork(2, generator=torch.Generator().manual_seed(0)))
 
 
 @pytest.mark.parametrize(

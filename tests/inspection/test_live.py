@@ -10,6 +10,7 @@ import pytest
 import torch
 
 from pipeline.driving.features import CAMERA
+from pipeline.driving.network import PrimaryNetwork
 from pipeline.driving.tracks import make_track
 from pipeline.inspection.footage import Footage
 from pipeline.inspection.live import Tally, in_real_time, watched
@@ -18,7 +19,7 @@ from pipeline.inspection.rerun_camera import RAW
 from pipeline.inspection.rerun_log import drive_tracer, new_recording
 from pipeline.inspection.rerun_sinks import into_file
 from pipeline.policies.inference import Driver
-from pipeline.policies.network import PrimaryNetwork, SafetyNetwork, feature_size
+from pipeline.policies.network import SafetyNetwork
 from pipeline.rollout.judgement import Judgement
 from pipeline.rollout.recording import record
 from pipeline.rollout.rules.mixture import Mixture
@@ -32,9 +33,9 @@ PLAN = plan(Mixture(0.7), track="birch", traffic=30, seed=(3,), seconds=3.0)
 @pytest.fixture(scope="module")
 def driver() -> Driver:
     generator = torch.Generator().manual_seed(0)
-    primary = PrimaryNetwork(2, generator=generator)
-    safety = SafetyNetwork(feature_size(2), 4, generator=generator)
-    return Driver(primary, safety, brake_cut=1.0)
+    primary = PrimaryNetwork(2, brake_cut=1.0, generator=generator)
+    safety = SafetyNetwork(PrimaryNetwork(2).feature_size, 4, generator=generator)
+    return Driver(primary, safety)
 
 
 def test_every_frame_is_as_recorded(driver: Driver) -> None:

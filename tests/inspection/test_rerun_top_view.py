@@ -8,6 +8,7 @@ import torch
 from rerun.experimental import RrdReader, StoreEntry
 
 from pipeline.driving.cars import LENGTH, WIDTH
+from pipeline.driving.network import PrimaryNetwork
 from pipeline.driving.tracks import SHOULDER, make_track
 from pipeline.inspection.excerpts import Excerpt
 from pipeline.inspection.footage import Footage
@@ -15,7 +16,6 @@ from pipeline.inspection.rerun_blueprints import drive_blueprint
 from pipeline.inspection.rerun_log import BLUE, RED, log_excerpt
 from pipeline.inspection.rerun_sinks import into_file
 from pipeline.policies.inference import Driver
-from pipeline.policies.network import PrimaryNetwork
 from pipeline.rollout.recording import record
 from pipeline.rollout.rules.mixture import Mixture
 from tests.drives import plan
@@ -28,8 +28,8 @@ NORTH_UP = np.array([1, -1])
 def excerpt() -> Excerpt:
     """By turns an untrained primary and the reference drive for 8 s, longer than is sent at once."""
     long = plan(Mixture(0.8), traffic=40, seconds=8.0)
-    primary = PrimaryNetwork(2, generator=torch.Generator().manual_seed(0))
-    episode = record(long, Driver(primary, brake_cut=1.0), 0, 0).episode
+    primary = PrimaryNetwork(2, brake_cut=1.0, generator=torch.Generator().manual_seed(0))
+    episode = record(long, Driver(primary), 0, 0).episode
     assert len(episode) > 64 and 0 < episode.columns["intervention"].mean() < 1
     return Excerpt("title", "name", episode, 0)
 

@@ -6,9 +6,9 @@ import torch
 from hypothesis import given
 from hypothesis import strategies as st
 
+from pipeline.driving.network import PrimaryNetwork
 from pipeline.learning.labels import LabelRule
 from pipeline.learning.safety import Judged, held_out_episodes, judge
-from pipeline.policies.network import PrimaryNetwork, feature_size
 from tests.episodes import random_episode, write
 
 RULE = LabelRule(include_brake=False, horizon=0.0, mode="last")
@@ -27,8 +27,8 @@ def test_a_dataset_is_judged_frame_by_frame(tmp_path: Path) -> None:
     ]
     dataset = write(tmp_path / "D", episodes)
     primary = PrimaryNetwork(2, generator=torch.Generator().manual_seed(0))
-    seen = judge(primary, dataset, brake_cut=0.5, rule=RULE)
-    assert seen.features.shape == (5, feature_size(2))
+    seen = judge(primary, dataset, rule=RULE)
+    assert seen.features.shape == (5, PrimaryNetwork(2).feature_size)
     assert seen.episode_index.tolist() == [0, 0, 0, 1, 1]
     proposed = primary(
         torch.from_numpy(episodes[0].columns["observation.images.front"]).permute(0, 3, 1, 2) / 255
@@ -45,8 +45,7 @@ def test_labels_look_ahead_by_seconds_and_within_an_episode(tmp_path: Path) -> N
     dataset = write(tmp_path / "D", episodes)
     primary = PrimaryNetwork(2, generator=torch.Generator().manual_seed(0))
     now, ahead = (
-        judge(primary, dataset, brake_cut=0.5, rule=LabelRule(False, seconds, "last"))
-        for seconds in (0.0, 0.2)
+        judge(primary, dataset, rule=LabelRule(False, seconds, "last")) for seconds in (0.0, 0.2)
     )
     assert ahead.deviation.tolist() == now.deviation[[2, 3, 3, 3, 5, 5]].tolist()
 
@@ -56,7 +55,7 @@ def test_frames_without_a_label_are_refused(tmp_path: Path) -> None:
     episode.columns["queried"][:] = [[True], [False], [True], [False]]
     dataset = write(tmp_path / "raw", [episode])
     with pytest.raises(ValueError, match="raw: 2 frames have no label of the reference"):
-        judge(PrimaryNetwork(2), dataset, brake_cut=0.5, rule=RULE)
+        judge(PrimaryNetwork(2), dataset, rule=RULE)
 
 
 @given(st.lists(st.integers(1, 5), min_size=2, max_size=20), st.floats(0, 1), st.integers(0, 99))

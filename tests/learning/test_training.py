@@ -5,6 +5,7 @@ import pytest
 import torch
 
 from pipeline.driving.deviation import deviation
+from pipeline.driving.features import CAMERA
 from pipeline.learning.labels import safe_labels
 from pipeline.learning.settings import PrimarySettings, SafetySettings
 from pipeline.learning.training import (
@@ -63,7 +64,7 @@ def test_the_primary_learns_to_read_the_steering(drives, trained):
     assert metrics["passes"] == FRAMES * 5
     assert metrics["validation_steering"] < 0.2 * actions[:, 0].var()
     assert {f"validation_{part}" for part in ("loss", "brake", "indicators")} <= set(metrics)
-    proposed, _ = propose(network, images, brake_cut=0.5)
+    proposed, _ = propose(network, {CAMERA: images})
     assert deviation(proposed, actions).mean() < 0.2 * actions[:, 0].var()
 
 

@@ -8,8 +8,10 @@ import numpy as np
 import pytest
 import torch
 
+from pipeline.driving.features import CAMERA
+from pipeline.driving.network import PrimaryNetwork
 from pipeline.policies.inference import Driver, propose
-from pipeline.policies.network import PrimaryNetwork, SafetyNetwork, feature_size, to_float
+from pipeline.policies.network import SafetyNetwork, to_float
 
 torch.set_num_threads(1)
 
@@ -21,7 +23,9 @@ def primary() -> PrimaryNetwork:
 
 @pytest.fixture(scope="module")
 def safety() -> SafetyNetwork:
-    return SafetyNetwork(feature_size(4), 8, generator=torch.Generator().manual_seed(1)).eval()
+    return SafetyNetwork(
+        PrimaryNetwork(4).feature_size, 8, generator=torch.Generator().manual_seed(1)
+    ).eval()
 
 
 @pytest.fixture(scope="module")
@@ -30,10 +34,10 @@ def images() -> np.ndarray:
 
 
 def test_it_drives_as_the_network_says(primary, images):
-    driver = Driver(primary, brake_cut=0.5, bfloat16=False)
+    driver = Driver(primary, bfloat16=False)
     with torch.inference_mode():
         outputs = primary(to_float(torch.from_numpy(images[:1])))
-    action, conv5 = driver.act(images[0])
+    action, conv5 = driver.act({CAMERA: images[0]})
     assert (action.dtype, action.shape) == (np.float32, (2,))
     assert action[0] == pytest.approx(outputs["steering"].item(), abs=1e-5)
     assert action[1] == float(outputs["brake"][0].softmax(0)[1] > 0.5)
@@ -41,63 +45,67 @@ def test_it_drives_as_the_network_says(primary, images):
 
 
 def test_bfloat16_is_close(primary, images):
-    exact, quick = (Driver(primary, brake_cut=0.5, bfloat16=fast) for fast in (False, True))
+    exact, quick = (Driver(primary, bfloat16=fast) for fast in (False, True))
     for image in images[:5]:
-        assert quick.act(image)[0][0] == pytest.approx(exact.act(image)[0][0], abs=0.01)
+        assert quick.act({CAMERA: image})[0][0] == pytest.approx(
+            exact.act({CAMERA: image})[0][0], abs=0.01
+        )
 
 
-def test_the_brake_cut_decides(primary, images):
-    never, always = (Driver(primary, brake_cut=cut).act(images[0])[0] for cut in (1.0, 0.0))
+def test_the_brake_cut_decides(images):
+    never, always = (
+        Driver(PrimaryNetwork(4, brake_cut=cut)).act({CAMERA: images[0]})[0] for cut in (1.0, 0.0)
+    )
     assert (never[1], always[1]) == (0, 1)
 
 
 def test_the_safe_probability_is_the_second_of_the_softmax(primary, safety, images):
-    driver = Driver(primary, safety, brake_cut=0.5)
-    _, conv5 = driver.act(images[0])
+    driver = Driver(primary, safety)
+    _, conv5 = driver.act({CAMERA: images[0]})
     with torch.inference_mode():
         expected = safety(conv5).softmax(1)[0, 1].item()
     assert driver.safe_probability(conv5) == expected
 
 
 def test_many_images_at_once_are_as_one_by_one(primary, images):
-    driver = Driver(primary, brake_cut=0.5, bfloat16=False)
-    actions, conv5 = propose(primary, images, brake_cut=0.5, bfloat16=False)
+    driver = Driver(primary, bfloat16=False)
+    actions, conv5 = propose(primary, {CAMERA: images}, bfloat16=False)
     assert (actions.dtype, actions.shape) == (np.float32, (70, 2))
-    assert (conv5.dtype, conv5.shape) == (np.float16, (70, feature_size(4)))
+    assert (conv5.dtype, conv5.shape) == (np.float16, (70, PrimaryNetwork(4).feature_size))
     for number in (0, 64, 69):
-        action, features = driver.act(images[number])
+        action, features = driver.act({CAMERA: images[number]})
         assert actions[number] == pytest.approx(action, abs=1e-5)
         assert conv5[number] == pytest.approx(features.flatten().numpy(), rel=2e-3, abs=1e-3)
 
 
 def test_no_images_give_no_rows(primary):
-    actions, conv5 = propose(primary, np.empty((0, 72, 160, 3), np.uint8), brake_cut=0.5)
-    assert (actions.shape, conv5.shape) == ((0, 2), (0, feature_size(4)))
+    actions, conv5 = propose(primary, {CAMERA: np.empty((0, 72, 160, 3), np.uint8)})
+    assert (actions.shape, conv5.shape) == ((0, 2), (0, PrimaryNetwork(4).feature_size))
 
 
 def test_it_can_be_sent_to_another_process_and_is_the_same_there(primary, safety, images):
-    driver = Driver(primary, safety, brake_cut=0.5)
-    action, conv5 = driver.act(images[0])
+    driver = Driver(primary, safety)
+    action, conv5 = driver.act({CAMERA: images[0]})
     sent = cloudpickle.loads(cloudpickle.dumps(driver))
-    again, conv5_again = sent.act(images[0])
+    again, conv5_again = sent.act({CAMERA: images[0]})
     assert np.array_equal(action, again)
     assert sent.safe_probability(conv5_again) == driver.safe_probability(conv5)
 
 
 def test_the_drivers_networks_are_its_own(images):
     network = PrimaryNetwork(2, generator=torch.Generator().manual_seed(0))
-    driver = Driver(network, brake_cut=0.5)
-    before, _ = driver.act(images[0])
+    driver = Driver(network)
+    before, _ = driver.act({CAMERA: images[0]})
     with torch.no_grad():
         network.conv1.weight.zero_()
-    assert np.array_equal(before, driver.act(images[0])[0])
+    assert np.array_equal(before, driver.act({CAMERA: images[0]})[0])
     assert network.training and network.conv1.weight.dtype == torch.float32
 
 
 def test_a_read_only_image_will_do(primary, images, recwarn):
     image = images[0].copy()
     image.flags.writeable = False
-    Driver(primary, brake_cut=0.5).act(image)
+    Driver(primary).act({CAMERA: image})
     assert not recwarn
 
 
@@ -106,18 +114,18 @@ def test_a_read_only_image_will_do(primary, images, recwarn):
 )
 def test_an_image_of_another_kind_is_refused(primary, image):
     with pytest.raises(ValueError, match=r"expected uint8 \(72, 160, 3\)"):
-        Driver(primary, brake_cut=0.5).act(image)
+        Driver(primary).act({CAMERA: image})
 
 
 def test_a_safety_policy_of_another_primary_is_refused(primary):
     with pytest.raises(ValueError, match="safety takes 160 numbers, expected the 320"):
-        Driver(primary, SafetyNetwork(160, 8), brake_cut=0.5)
+        Driver(primary, SafetyNetwork(160, 8))
 
 
 def test_without_a_safety_policy_there_is_no_probability(primary, images):
-    driver = Driver(primary, brake_cut=0.5)
+    driver = Driver(primary)
     with pytest.raises(ValueError, match="no safety policy"):
-        driver.safe_probability(driver.act(images[0])[1])
+        driver.safe_probability(driver.act({CAMERA: images[0]})[1])
 
 
 def test_driving_does_not_import_lerobot():

@@ -7,20 +7,21 @@ import torch
 import torch.nn.functional as F
 from lerobot.policies.factory import get_policy_class, make_pre_post_processors
 
+from pipeline.driving.network import PrimaryNetwork
+from pipeline.driving.policy import PrimaryConfig, PrimaryPolicy
 from pipeline.policies.inference import Driver
 from pipeline.policies.loading import weights_sha256
-from pipeline.policies.network import PrimaryNetwork, SafetyNetwork, feature_size
-from pipeline.policies.primary import PrimaryConfig, PrimaryPolicy
-from pipeline.policies.safety import CONV5, SafetyConfig, SafetyPolicy
+from pipeline.policies.network import SafetyNetwork
+from pipeline.policies.safety import FEATURES, SafetyConfig, SafetyPolicy
 
 torch.set_num_threads(1)
 
-SIZE = feature_size(2)
+SIZE = PrimaryNetwork(2).feature_size
 
 
 def make(**fields) -> SafetyPolicy:
     network = SafetyNetwork(SIZE, 8, generator=torch.Generator().manual_seed(0))
-    return SafetyPolicy(SafetyConfig(channels=2, hidden=8, **fields), network)
+    return SafetyPolicy(SafetyConfig(features=SIZE, hidden=8, **fields), network)
 
 
 def biased(towards_safe: float, **fields) -> SafetyPolicy:
@@ -32,17 +33,17 @@ def biased(towards_safe: float, **fields) -> SafetyPolicy:
 
 
 def test_one_is_safe_and_zero_is_unsafe():
-    batch = {CONV5: torch.rand(3, SIZE)}
-    assert biased(+4).safe_probability(batch[CONV5]).min() > 0.9
+    batch = {FEATURES: torch.rand(3, SIZE)}
+    assert biased(+4).safe_probability(batch[FEATURES]).min() > 0.9
     assert biased(+4).select_action(batch).tolist() == [[1.0]] * 3
-    assert biased(-4).safe_probability(batch[CONV5]).max() < 0.1
+    assert biased(-4).safe_probability(batch[FEATURES]).max() < 0.1
     assert biased(-4).predict_action_chunk(batch).tolist() == [[[0.0]]] * 3
 
 
 def test_the_loss_is_equation_4():
     policy = make()
     conv5, safe = torch.rand(4, SIZE), torch.tensor([[1.0], [0.0], [0.0], [1.0]])
-    loss, _ = policy.forward({CONV5: conv5, "action": safe})
+    loss, _ = policy.forward({FEATURES: conv5, "action": safe})
     p = policy.safe_probability(conv5)
     assert loss.item() == pytest.approx(F.binary_cross_entropy(p, safe[:, 0]).item(), rel=1e-5)
 
@@ -50,7 +51,7 @@ def test_the_loss_is_equation_4():
 def test_its_gradient_never_reaches_the_primary():
     primary = PrimaryNetwork(2, generator=torch.Generator().manual_seed(0))
     conv5 = primary.features(torch.rand(2, 3, 72, 160)).flatten(1)
-    loss, _ = make().forward({CONV5: conv5, "action": torch.ones(2, 1)})
+    loss, _ = make().forward({FEATURES: conv5, "action": torch.ones(2, 1)})
     loss.backward()
     assert all(weight.grad is None for weight in primary.parameters())
 
@@ -89,7 +90,7 @@ def test_lerobots_tools_find_and_run_it():
     policy = make()
     assert get_policy_class("safedagger_safety") is SafetyPolicy
     before, after = make_pre_post_processors(policy.config)
-    assert after(policy.select_action(before({CONV5: torch.rand(3, SIZE)}))).shape == (3, 1)
+    assert after(policy.select_action(before({FEATURES: torch.rand(3, SIZE)}))).shape == (3, 1)
 
 
 @pytest.mark.parametrize("name", ["tau", "cut", "horizon", "balance"])
@@ -101,4 +102,4 @@ def test_numbers_out_of_range_are_refused(name, value):
 
 def test_a_network_of_another_size_is_refused():
     with pytest.raises(ValueError, match=r"network has \(160, 4\) inputs and hidden units"):
-        SafetyPolicy(SafetyConfig(channels=2, hidden=8), SafetyNetwork(SIZE, 4))
+        SafetyPolicy(SafetyConfig(features=SIZE, hidden=8), SafetyNetwork(SIZE, 4))

@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 import torch
 
-from pipeline.policies.network import SafetyNetwork, feature_size
+from pipeline.driving.network import PrimaryNetwork
+from pipeline.policies.network import SafetyNetwork
 from pipeline.policies.safety import SafetyConfig, SafetyPolicy
 from pipeline.rollout.judgement import Judgement
 from pipeline.rollout.rules.optimal import Optimal
@@ -16,8 +17,12 @@ from pipeline.rollout.strategies import DRIVING, Strategy
 def test_it_goes_by_the_labels_and_the_cut_of_the_safety_policy(
     include_brake: bool, tmp_path: Path
 ) -> None:
-    network = SafetyNetwork(feature_size(4), 8, generator=torch.Generator().manual_seed(1))
-    config = SafetyConfig(channels=4, hidden=8, tau=0.01, cut=0.4, include_brake=include_brake)
+    network = SafetyNetwork(
+        PrimaryNetwork(4).feature_size, 8, generator=torch.Generator().manual_seed(1)
+    )
+    config = SafetyConfig(
+        features=network.in_features, hidden=8, tau=0.01, cut=0.4, include_brake=include_brake
+    )
     SafetyPolicy(config, network).save_pretrained(tmp_path)
     assert Judgement.read(tmp_path) == Judgement(0.4, 0.01, include_brake)
     judgement = Judgement.read(tmp_path, 0.3)

@@ -10,12 +10,13 @@ import torch
 from pipeline.data.schema import Asked
 from pipeline.driving.environment import DrivingEnv
 from pipeline.driving.features import CAMERA, CONTROL_HZ
+from pipeline.driving.network import PrimaryNetwork
 from pipeline.driving.reference import reference_actions
 from pipeline.driving.tracks import make_track
 from pipeline.driving.world import World
 from pipeline.environment import Action, Environment
 from pipeline.policies.inference import Driver
-from pipeline.policies.network import PrimaryNetwork, SafetyNetwork, feature_size
+from pipeline.policies.network import SafetyNetwork
 from pipeline.rollout.asking import Reference as Asking
 from pipeline.rollout.judgement import Judgement
 from pipeline.rollout.loop import Frame, drive
@@ -47,7 +48,7 @@ def driver(*, nan: bool = False) -> Driver:
     if nan:
         with torch.no_grad():
             primary.outputs["steering"][2].weight.fill_(np.nan)
-    return Driver(primary, SafetyNetwork(feature_size(2), 4, generator=generator), brake_cut=0.5)
+    return Driver(primary, SafetyNetwork(PrimaryNetwork(2).feature_size, 4, generator=generator))
 
 
 def test_a_frame_is_what_was_seen_and_known_before_it_was_driven() -> None:

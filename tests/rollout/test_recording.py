@@ -9,9 +9,10 @@ from hypothesis import strategies as st
 
 from pipeline.data.schema import Asked
 from pipeline.driving.features import CAMERA
+from pipeline.driving.network import PrimaryNetwork
 from pipeline.driving.task import Driving
 from pipeline.policies.inference import Driver
-from pipeline.policies.network import PrimaryNetwork, SafetyNetwork, feature_size
+from pipeline.policies.network import SafetyNetwork
 from pipeline.rollout.plans import Plan
 from pipeline.rollout.recording import Recording, record, record_all, until_queries
 from pipeline.rollout.rules.mixture import Mixture
@@ -31,8 +32,8 @@ assert isinstance(TASK, Driving)
 def driver() -> Driver:
     generator = torch.Generator().manual_seed(0)
     primary = PrimaryNetwork(2, generator=generator)
-    safety = SafetyNetwork(feature_size(2), 4, generator=generator)
-    return Driver(primary, safety, brake_cut=0.5)
+    safety = SafetyNetwork(PrimaryNetwork(2).feature_size, 4, generator=generator)
+    return Driver(primary, safety)
 
 
 def recordings(lengths: list[int], seed: int) -> list[Recording]:

@@ -7,9 +7,10 @@ import numpy as np
 import pytest
 import torch
 
+from pipeline.driving.network import PrimaryNetwork
+from pipeline.driving.policy import PrimaryConfig, PrimaryPolicy
 from pipeline.policies.loading import weights_sha256
-from pipeline.policies.network import PrimaryNetwork, SafetyNetwork, feature_size
-from pipeline.policies.primary import PrimaryConfig, PrimaryPolicy
+from pipeline.policies.network import SafetyNetwork
 from pipeline.policies.safety import SafetyConfig, SafetyPolicy
 from stages import __main__ as cli
 from tests.episodes import random_episode, write
@@ -31,9 +32,9 @@ def made(tmp_path_factory: pytest.TempPathFactory) -> Path:
     for ending in ("", "_b"):
         primary = PrimaryNetwork(2, generator=generator)
         PrimaryPolicy(PrimaryConfig(channels=2), primary).save_pretrained(root / f"primary{ending}")
-        safety = SafetyNetwork(feature_size(2), 8, generator=generator)
+        safety = SafetyNetwork(PrimaryNetwork(2).feature_size, 8, generator=generator)
         watched = weights_sha256(root / f"primary{ending}")
-        config = SafetyConfig(primary_sha256=watched, channels=2, hidden=8)
+        config = SafetyConfig(primary_sha256=watched, features=safety.in_features, hidden=8)
         SafetyPolicy(config, safety).save_pretrained(root / f"safety{ending}")
     return root
 

@@ -6,18 +6,16 @@ import torch
 import torch.nn.functional as F
 
 from pipeline.driving.features import ACTIONS, AFFORDANCES
-from pipeline.policies.network import (
+from pipeline.driving.network import (
     DISTANCES,
     INDICATORS,
     POSITIONS,
     LossWeights,
     PrimaryNetwork,
-    SafetyNetwork,
-    feature_size,
     primary_loss,
     to_actions,
-    to_float,
 )
+from pipeline.policies.network import SafetyNetwork, to_float
 
 torch.set_num_threads(1)
 
@@ -47,7 +45,7 @@ def test_the_layers_are_those_of_the_papers_table():
         "conv5": ((5, 5), (128, 4, 10)),
     }
     assert features.shape == (2, 128, 4, 10)
-    assert feature_size(64) == 128 * 4 * 10 == 5120
+    assert PrimaryNetwork(64).feature_size == 128 * 4 * 10 == 5120
 
 
 def test_the_heads_are_those_of_the_papers_table():
@@ -124,7 +122,7 @@ def test_the_safety_network_has_two_hidden_layers_and_two_logits():
 
 def test_what_the_safety_network_learns_never_reaches_the_primary():
     primary = PrimaryNetwork(2, generator=generator())
-    safety = SafetyNetwork(feature_size(2), 8, generator=generator())
+    safety = SafetyNetwork(PrimaryNetwork(2).feature_size, 8, generator=generator())
     features = primary.features(torch.rand(2, 3, 72, 160))
     assert features.requires_grad
 

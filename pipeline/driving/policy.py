@@ -5,121 +5,22 @@ In the shapes, B is the batch.
 """
 
 from dataclasses import dataclass, field
-from pathlib import Path
-from typing import Any, Self
+from typing import Any
 
-import draccus
 import torch
-from draccus.utils import DraccusException
 from lerobot.configs import PreTrainedConfig
 from lerobot.configs.types import FeatureType, NormalizationMode, PolicyFeature
-from lerobot.optim import AdamWConfig
-from lerobot.policies.pretrained import PreTrainedPolicy
-from lerobot.processor import PolicyProcessorPipeline
 from lerobot.processor.factory import make_default_pre_post_processors
 from lerobot.utils.constants import ACTION
-from torch import Tensor, nn
+from torch import Tensor
 
 from pipeline.driving.features import ACTIONS, CAMERA, IMAGE_SHAPE
-from pipeline.policies.loading import CONFIG_FILE, PRIMARY_TYPE, load_weights, read_config
-from pipeline.policies.network import (
-    CHANNELS,
-    LossWeights,
-    PrimaryNetwork,
-    primary_loss,
-    to_actions,
-)
+from pipeline.driving.network import LossWeights, PrimaryNetwork, primary_loss
+from pipeline.policies.loading import PRIMARY_TYPE
+from pipeline.policies.network import CHANNELS
+from pipeline.policies.offline import OfflineConfig, OfflinePolicy, Processors, check_feature
 
 _CHANNELS_FIRST = (IMAGE_SHAPE[2], *IMAGE_SHAPE[:2])
-
-Processors = tuple[
-    PolicyProcessorPipeline[dict[str, Any], dict[str, Any]],
-    PolicyProcessorPipeline[Tensor, Tensor],
-]
-
-
-class OfflineConfig(PreTrainedConfig):
-    """What the two configurations of this project share: no Hub, no history, no normalisation."""
-
-    @property
-    def observation_delta_indices(self) -> None:
-        """One observation, the present one."""
-        return None
-
-    @property
-    def action_delta_indices(self) -> None:
-        """One action, for the present."""
-        return None
-
-    @property
-    def reward_delta_indices(self) -> None:
-        """No rewards."""
-        return None
-
-    def get_optimizer_preset(self) -> AdamWConfig:
-        """For LeRobot's own training only; ours is in `pipeline.learning`."""
-        return AdamWConfig()
-
-    def get_scheduler_preset(self) -> None:
-        """For LeRobot's own training only; ours is in `pipeline.learning`."""
-        return None
-
-
-class OfflinePolicy(PreTrainedPolicy):
-    """What the two policies share: saved with their processors, loaded strictly, no memory.
-
-    A subclass keeps its weights in `network`. The same policy is saved as the same bytes.
-    """
-
-    config_class: type[PreTrainedConfig] = OfflineConfig
-    name: str = "safedagger"
-    network: nn.Module
-
-    def _save_pretrained(
-        self, save_directory: Path, state_dict: dict[str, Tensor] | None = None
-    ) -> None:
-        super()._save_pretrained(save_directory, state_dict)
-        for processor in make_default_pre_post_processors(self.config):
-            processor.save_pretrained(save_directory)
-
-    @classmethod
-    def from_pretrained(
-        cls,
-        pretrained_name_or_path: str | Path,
-        *,
-        config: PreTrainedConfig | None = None,
-        **_: Any,
-    ) -> Self:
-        """The policy saved in a directory, in evaluation mode.
-
-        Args:
-            pretrained_name_or_path: the directory.
-            config: used instead of the saved one.
-
-        Raises:
-            ValueError: files are missing, of another kind of policy, or do not fit.
-        """
-        directory = Path(pretrained_name_or_path)
-        saved = read_config(directory, cls.name)
-        del saved["type"]
-        try:
-            policy = cls(config or draccus.decode(cls.config_class, saved))
-        except (DraccusException, ValueError, TypeError) as error:
-            reason = " ".join(f"{error} {error.__cause__ or ''}".split())
-            raise ValueError(f"{directory / CONFIG_FILE}: {reason}") from None
-        load_weights(policy.network, directory)
-        return policy.to(policy.config.device).eval()
-
-    def predict_action_chunk(self, batch: dict[str, Tensor], **_: Any) -> Tensor:
-        """`select_action` as a chunk of one action, [B, 1, number of actions]."""
-        return self.select_action(batch)[:, None]
-
-    def reset(self) -> None:
-        """Nothing: the policy has no memory."""
-
-    def get_optim_params(self) -> Any:
-        """All parameters."""
-        return self.parameters()
 
 
 @PreTrainedConfig.register_subclass(PRIMARY_TYPE)
@@ -185,7 +86,11 @@ class PrimaryPolicy(OfflinePolicy):
     ) -> None:
         super().__init__(config)
         config.validate_features()
-        self.network = network if network is not None else PrimaryNetwork(config.channels)
+        self.network = (
+            network
+            if network is not None
+            else PrimaryNetwork(config.channels, brake_cut=config.brake_cut)
+        )
         if self.network.channels != config.channels:
             raise ValueError(
                 f"network has {self.network.channels} channels, expected {config.channels}"
@@ -210,8 +115,7 @@ class PrimaryPolicy(OfflinePolicy):
     @torch.no_grad()
     def select_action(self, batch: dict[str, Tensor], **_: Any) -> Tensor:
         """Actions float32 [B, 2] for the camera [B, 3, 72, 160]: steering [-1, 1], brake {0, 1}."""
-        heads = self.network.action_heads(self.network.features(batch[CAMERA]))
-        return to_actions(*heads, self.config.brake_cut)
+        return self.network.act(self.network.features(batch[CAMERA]))
 
 
 def make_safedagger_primary_pre_post_processors(
@@ -219,13 +123,3 @@ def make_safedagger_primary_pre_post_processors(
 ) -> Processors:
     """LeRobot's default processors; with identity normalisation the statistics do not matter."""
     return make_default_pre_post_processors(config, dataset_stats)
-
-
-def check_feature(
-    side: str, features: dict[str, PolicyFeature] | None, name: str, shape: tuple[int, ...]
-) -> None:
-    """Raise a ValueError unless `features` is `name` of `shape` alone."""
-    found = {key: tuple(feature.shape) for key, feature in (features or {}).items()}
-    expected = {name: shape}
-    if found != expected:
-        raise ValueError(f"{side}_features is {found}, expected {expected}")

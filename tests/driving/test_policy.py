@@ -11,9 +11,9 @@ from lerobot.policies.factory import get_policy_class, make_policy, make_pre_pos
 from safetensors.torch import load_file, save_file
 
 from pipeline.driving.features import CAMERA, FEATURES
+from pipeline.driving.network import LossWeights, PrimaryNetwork
+from pipeline.driving.policy import PrimaryConfig, PrimaryPolicy
 from pipeline.policies.inference import Driver
-from pipeline.policies.network import LossWeights, PrimaryNetwork
-from pipeline.policies.primary import PrimaryConfig, PrimaryPolicy
 
 torch.set_num_threads(1)
 
@@ -64,11 +64,11 @@ def test_it_acts_as_the_driver_does(saved):
     image = np.random.default_rng(0).integers(0, 256, (72, 160, 3), dtype=np.uint8)
     policy = PrimaryPolicy.from_pretrained(saved)
     driver = Driver.load(saved, bfloat16=False)
-    assert driver.brake_cut == 0.6
+    assert driver.primary.brake_cut == 0.6
     batch = {CAMERA: torch.from_numpy(image).permute(2, 0, 1)[None] / 255}
     action = policy.select_action(batch)
     assert (action.dtype, action.shape) == (torch.float32, (1, 2))
-    assert action[0].numpy() == pytest.approx(driver.act(image)[0], abs=1e-5)
+    assert action[0].numpy() == pytest.approx(driver.act({CAMERA: image})[0], abs=1e-5)
     assert torch.equal(policy.predict_action_chunk(batch), action[:, None])
 
 
