@@ -91,4 +91,4 @@ class Driving(Task):
 
     def deviation(self, proposed: NDArray, reference: NDArray) -> NDArray[np.float64]:
         """The squared difference of the steerings, in [0, 4]: the brakes are not in it."""
-        return np.square(proposed[:, 0].astype(np.float64) - reference[:, 0].astype(np.float64))
+        return np.square((proposed[:, 0] - reference[:, 0]).astype(np.float64))
