@@ -76,21 +76,32 @@ def load_task(name: str) -> type[Task]:
     Raises:
         ValueError: there is none.
     """
-    module, _, attribute = TASKS.get(name, name).partition(":")
-    try:
-        found = getattr(import_module(module), attribute)
-    except (ImportError, AttributeError, ValueError):
-        known = ", ".join(TASKS)
-        raise ValueError(f"task {name!r}: expected one of {known}, or module:class") from None
-    if not (isinstance(found, type) and issubclass(found, Task)):
-        raise ValueError(f"task {name!r} is {found!r}, expected a subclass of pipeline.task.Task")
+    found: type[Task] = seam("task", name, TASKS, Task)
     return found
 
 
-def settings(task: type[Task]) -> dict[str, tuple[type, Setting, Any]]:
+def seam(what: str, name: str, known: Mapping[str, str], kind: type) -> Any:
+    """The subclass of `kind` that is `known` by a name, or named as "module:class".
+
+    Raises:
+        ValueError: there is none.
+    """
+    module, _, attribute = known.get(name, name).partition(":")
+    try:
+        found = getattr(import_module(module), attribute)
+    except (ImportError, AttributeError, ValueError):
+        names = ", ".join(known)
+        raise ValueError(f"{what} {name!r}: expected one of {names}, or module:class") from None
+    if not (isinstance(found, type) and issubclass(found, kind)):
+        expected = f"{kind.__module__}.{kind.__name__}"
+        raise ValueError(f"{what} {name!r} is {found!r}, expected a subclass of {expected}")
+    return found
+
+
+def settings(kind: type) -> dict[str, tuple[type, Setting, Any]]:
     """By the name of a field: its type, what there is to know, and its default if it has one."""
-    hints = get_type_hints(task, include_extras=True)
+    hints = get_type_hints(kind, include_extras=True)
     return {
         each.name: (hints[each.name].__origin__, hints[each.name].__metadata__[0], each.default)
-        for each in fields(task)  # type: ignore[arg-type]
+        for each in fields(kind)
     }

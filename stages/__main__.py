@@ -2,7 +2,7 @@
 
 import os
 import sys
-from itertools import pairwise
+from collections.abc import Sequence
 
 import typer
 from typer import TyperException
@@ -62,14 +62,12 @@ ENVIRONMENT = {
 """What the commands set for themselves, unless the user has. Libraries read it when first imported."""
 
 
-def commands(typed: list[str]) -> typer.Typer:
-    """All commands; those that drive take the settings of the task that is `typed`.
+def commands(typed: Sequence[str]) -> typer.Typer:
+    """All commands; those with a seam take the settings of the task or policy that is `typed`.
 
     Raises:
-        ValueError: there is no such task.
+        ValueError: there is none of that name.
     """
-    from pipeline.task import load_task  # imports NumPy
-
     app = typer.Typer(
         no_args_is_help=True,
         add_completion=False,
@@ -78,22 +76,9 @@ def commands(typed: list[str]) -> typer.Typer:
     )
     for stage in STAGES:
         for command in stage.app.registered_commands:
-            callback = command.callback
-            assert callback is not None
-            if getattr(callback, "takes_a_task", False):
-                callback = options.for_task(callback, load_task(_task(typed)))
-            app.command()(callback)
+            assert command.callback is not None
+            app.command()(options.chosen(command.callback, typed))
     return app
-
-
-def _task(typed: list[str]) -> str:
-    """The task that a command line names, which says what else it may hold."""
-    for word, following in pairwise([*typed, ""]):
-        if word == "--task":
-            return following
-        if word.startswith("--task="):
-            return word.partition("=")[2]
-    return "driving"
 
 
 def main() -> None:

@@ -28,7 +28,7 @@ class Purpose(StrEnum):
 
 
 @app.command()
-@options.task_options
+@options.seam("task")
 def collect(
     context: typer.Context,
     output: options.Output,

@@ -3,10 +3,11 @@
 import inspect
 import math
 import os
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import MISSING
 from enum import StrEnum
+from itertools import pairwise
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -16,7 +17,6 @@ if TYPE_CHECKING:
     from rerun.blueprint import Blueprint
 
     from pipeline.inspection.rerun_sinks import Sink
-    from pipeline.task import Task
 
 
 class OptimizerName(StrEnum):
@@ -87,49 +87,79 @@ Threads = Annotated[
 ]
 
 
-def task_options[Command: Callable[..., None]](command: Command) -> Command:
-    """Let a command that has a parameter `task` take the settings of a task as options of its own.
+def seam[Command: Callable[..., None]](name: str) -> Callable[[Command], Command]:
+    """Let a command that has a parameter `name` ("task" or "policy") choose what it is by an option
+    of that name, `--task driving` say, and take the settings of that as further options.
 
-    Which task, the command line says: `--task driving`, which is the default. So what a command
-    takes is known only when it is called, see `for_task`.
+    What is chosen, the command line says, so what a command takes is known only when it is called:
+    see `chosen`.
     """
-    command.takes_a_task = True  # type: ignore[attr-defined]
-    return command
+
+    def mark(command: Command) -> Command:
+        command.seam = name  # type: ignore[attr-defined]
+        return command
+
+    return mark
 
 
-def for_task(command: Callable[..., None], chosen: "type[Task]") -> Callable[..., None]:
-    """The same command, with `--task` and the settings of the `chosen` one in the place of `task`."""
-    from pipeline.task import TASKS, settings
+def chosen(command: Callable[..., None], typed: Sequence[str]) -> Callable[..., None]:
+    """The command with the options of what is `typed`; unchanged if it has no `seam`.
 
-    own = settings(chosen)
+    Raises:
+        ValueError: there is no such task or policy.
+    """
+    name = getattr(command, "seam", None)
+    if name is None:
+        return command
+    from pipeline.policies.lesson import LESSONS, load_lesson
+    from pipeline.task import TASKS, load_task
+
+    known, load = {"task": (TASKS, load_task), "policy": (LESSONS, load_lesson)}[name]
+    return _with_settings(command, name, known, load(_after(f"--{name}", typed, "driving")))
+
+
+def _after(option: str, typed: Sequence[str], default: str) -> str:
+    """The value of an option on a command line."""
+    for word, following in pairwise([*typed, ""]):
+        if word == option:
+            return following
+        if word.startswith(f"{option}="):
+            return word.partition("=")[2]
+    return default
+
+
+def _with_settings(
+    command: Callable[..., None], name: str, known: Iterable[str], kind: Any
+) -> Callable[..., None]:
+    """The command with `--name` and the settings of `kind` in the place of its parameter `name`."""
+    from pipeline.task import settings
+
+    own = settings(kind)
 
     def called(**given: Any) -> None:
-        del given["task"]
-        made = chosen(**{name: given.pop(name) for name in own})
-        command(task=made, **given)
+        given[name] = kind(**{field: given.pop(field) for field in own})
+        command(**given)
 
     def parameter(name: str, annotation: Any, default: Any) -> inspect.Parameter:
         kind = inspect.Parameter.KEYWORD_ONLY
         default = inspect.Parameter.empty if default is MISSING else default
         return inspect.Parameter(name, kind, annotation=annotation, default=default)
 
-    which = Annotated[str, typer.Option(help=f"{', '.join(TASKS)}, or module:class.")]
-    of_task = [parameter("task", which, chosen.name)] + [
+    which = Annotated[str, typer.Option(help=f"{', '.join(known)}, or module:class.")]
+    options = [parameter(name, which, kind.name)] + [
         parameter(
-            name,
-            Annotated[kind, typer.Option(help=setting.help, min=setting.least)],
+            field,
+            Annotated[of, typer.Option(help=setting.help, min=setting.least)],
             default,
         )
-        for name, (kind, setting, default) in own.items()
+        for field, (of, setting, default) in own.items()
     ]
     signature = inspect.signature(command)
     parameters = [
         each
         for given in signature.parameters.values()
         for each in (
-            of_task
-            if given.name == "task"
-            else [given.replace(kind=inspect.Parameter.KEYWORD_ONLY)]
+            options if given.name == name else [given.replace(kind=inspect.Parameter.KEYWORD_ONLY)]
         )
     ]
     called.__signature__ = signature.replace(parameters=parameters)  # type: ignore[attr-defined]

@@ -16,7 +16,7 @@ app = typer.Typer()
 
 
 @app.command()
-@options.task_options
+@options.seam("task")
 def rollout(
     context: typer.Context,
     primary: options.Primary,

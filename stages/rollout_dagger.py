@@ -16,7 +16,7 @@ app = typer.Typer()
 
 
 @app.command()
-@options.task_options
+@options.seam("task")
 def rollout_dagger(
     context: typer.Context,
     primary: options.Primary,

@@ -35,6 +35,17 @@ def read_images(dataset: Dataset, camera: str) -> Images:
     return images
 
 
+def read_all(dataset: Dataset, names: Iterable[str]) -> dict[str, NDArray]:
+    """All rows of some columns, pictures among them: [N, *shape] by name.
+
+    Raises:
+        ValueError: there is no such column, or an image is none of its shape.
+    """
+    names = list(names)
+    numbers = dataset.columns(name for name in names if name not in dataset.cameras)
+    return {n: numbers[n] if n in numbers else read_images(dataset, n) for n in names}
+
+
 def read_some_images(dataset: Dataset, camera: str, rows: Sequence[int]) -> list[Images]:
     """The images uint8 [H, W, C] (RGB) of a camera in `rows`, which rise; no others are read.
 

@@ -106,7 +106,8 @@ def column_dtype(feature: Feature) -> np.dtype:
 
 
 def check_features(features: Mapping[str, Feature], wanted: Mapping[str, Feature]) -> None:
-    """Check that all of the columns `wanted` are among `features`, of the same dtype, shape and names.
+    """Check that all of the columns `wanted` are among `features`, of the same dtype, shape and names;
+    where `wanted` has no names, any will do.
 
     Raises:
         ValueError: names the first that is not, and both sides.
@@ -114,7 +115,8 @@ def check_features(features: Mapping[str, Feature], wanted: Mapping[str, Feature
     for name, feature in wanted.items():
         if name not in features:
             raise ValueError(f"column {name!r} is missing, expected {_describe(feature)}")
-        if _describe(features[name]) != _describe(feature):
+        found = features[name] if feature.get("names") else {**features[name], "names": None}
+        if _describe(found) != _describe(feature):
             raise ValueError(
                 f"column {name!r} is {_describe(features[name])}, expected {_describe(feature)}"
             )

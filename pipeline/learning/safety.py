@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pipeline.data.dataset import Dataset
-from pipeline.data.images import read_images
+from pipeline.data.images import read_all
 from pipeline.data.labels import check_labels
 from pipeline.learning.labels import LabelRule
 from pipeline.policies.inference import propose
@@ -55,10 +55,9 @@ def judge(primary: ConvNetwork, dataset: Dataset, *, rule: LabelRule) -> Judged:
     """
     dataset.require({**primary.seen, "action": primary.action})
     check_labels(dataset)
-    columns = dataset.columns(["action", *(n for n in primary.seen if n != primary.camera)])
+    columns = read_all(dataset, ["action", *primary.seen])
     actions = columns["action"]
-    seen = {**columns, primary.camera: read_images(dataset, primary.camera)}
-    proposed, features = propose(primary, seen)
+    proposed, features = propose(primary, columns)
     epsilon = rule.deviation(proposed, actions, dataset.episode_index, dataset.fps)
     return Judged(features, epsilon, dataset.episode_index)
 

@@ -1,11 +1,8 @@
-"""What a training is told: how to optimise, and what to learn from the images."""
+"""What a training is told: how to optimise."""
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Literal
-
-from pipeline.driving.network import LossWeights
-from pipeline.policies.network import CHANNELS
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -38,6 +35,8 @@ class Optimisation:
     """>= 0, of the initial weights, the order, the augmentation and the held-out episodes."""
     threads: int = 2
     """>= 1, processor threads."""
+    bfloat16: bool = True
+    """Whether convolutions may be computed in bfloat16, on processors that can."""
 
     def __post_init__(self) -> None:
         if self.optimizer not in ("sgd", "adamw"):
@@ -52,36 +51,6 @@ class Optimisation:
         check("threads", self.threads, at_least=1)
         if self.optimizer == "sgd" and self.validation == 0:
             raise ValueError("validation is 0, expected more: 'sgd' follows the validation error")
-
-
-@dataclass(frozen=True, kw_only=True)
-class PrimarySettings(Optimisation):
-    """The training of a primary policy.
-
-    Raises:
-        ValueError: a field is out of the range stated beside it.
-    """
-
-    channels: int = CHANNELS
-    """>= 1, of Conv1 to Conv4."""
-    sensor_range: float = 60.0
-    """> 0 [m], the distance that is predicted as 1."""
-    brake_cut: float = 0.5
-    """[0, 1]: it brakes where the brake's probability is above this."""
-    loss: LossWeights = field(default_factory=LossWeights)
-    jitter: float = 0.0
-    """[0, 1), how far brightness, contrast and the three colours of an image are moved."""
-    mirror: bool = False
-    """Whether half of the images are shown as in a mirror, labels and all."""
-    bfloat16: bool = True
-    """Whether to compute in bfloat16, on processors that can."""
-
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        check("channels", self.channels, at_least=1)
-        check("sensor_range", self.sensor_range, above=0)
-        check("brake_cut", self.brake_cut, at_least=0, at_most=1)
-        check("jitter", self.jitter, at_least=0, below=1)
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -12,91 +12,84 @@ import torch
 import torch.nn.functional as F
 from torch import Tensor
 
-from pipeline.driving.features import ACTIONS, AFFORDANCES, IMAGE_SHAPE
-from pipeline.driving.network import PrimaryNetwork, primary_loss
-from pipeline.learning.augmentation import jitter, mirror
+from pipeline.data.schema import Feature, column_dtype
+from pipeline.learning.augmentation import jitter
 from pipeline.learning.fitting import Metrics, OnEpoch, fit, split_episodes
-from pipeline.learning.settings import PrimarySettings, SafetySettings
+from pipeline.learning.settings import Optimisation, SafetySettings
 from pipeline.policies.computing import computing
-from pipeline.policies.network import SafetyNetwork, has_bfloat16, to_float
+from pipeline.policies.lesson import Lesson
+from pipeline.policies.network import ConvNetwork, SafetyNetwork, has_bfloat16, to_float
+
+Batch = dict[str, Tensor]
+"""Columns [B, ...] by name."""
 
 _MEASURED = 256
 """Held-out frames that are measured at a time."""
 
 
 def train_primary(
-    images: np.ndarray,
-    actions: np.ndarray,
-    affordances: np.ndarray,
+    lesson: Lesson,
+    features: Mapping[str, Feature],
+    columns: Mapping[str, np.ndarray],
     episode_index: np.ndarray,
-    settings: PrimarySettings,
+    settings: Optimisation,
     *,
     initial: Mapping[str, Tensor] | None = None,
     on_epoch: OnEpoch | None = None,
-) -> tuple[PrimaryNetwork, Metrics]:
-    """Train a primary policy to imitate `actions` (Eq. 1), with the affordances as further targets.
+) -> tuple[ConvNetwork, Metrics]:
+    """Train a primary policy to imitate the reference (Eq. 1).
 
     Args:
-        images: uint8 [N, 72, 160, 3].
-        actions: float32 [N, 2], the reference's: steering [-1, 1], brake {0, 1}.
-        affordances: float32 [N, 10], distances in metres.
+        lesson: which network, and how it learns.
+        features: what the lesson has `learned` of a dataset.
+        columns: all of `features`, [N, *shape]; images are uint8.
         episode_index: int [N]; frames of the same one are held out together.
-        settings: see `PrimarySettings`.
-        initial: the `state_dict` of a primary network to begin with; None begins from scratch.
+        settings: see `Optimisation`.
+        initial: the `state_dict` of such a network to begin with; None begins from scratch.
         on_epoch: told the metrics after each epoch.
 
     Returns:
         The network in evaluation mode, and metrics: "epoch", "passes", "loss" (of training), and
-        with held-out frames "validation_loss" and its unweighted parts, as "validation_steering".
+        with held-out frames "validation_loss" and its unweighted parts, by the lesson's names.
 
     Raises:
         ValueError: arrays of the wrong shape, type or length, or `initial` of another network.
     """
     _check_rows(
-        images=(images, np.uint8, IMAGE_SHAPE),
-        actions=(actions, np.float32, (len(ACTIONS),)),
-        affordances=(affordances, np.float32, (len(AFFORDANCES),)),
         episode_index=(episode_index, np.integer, ()),
+        **{
+            name: (columns[name], column_dtype(of).type, of["shape"])
+            for name, of in features.items()
+        },
     )
     generator = torch.Generator().manual_seed(settings.seed)
     rng = np.random.default_rng(settings.seed)
     rows, held_out = split_episodes(episode_index, settings.validation, rng)
-    network = PrimaryNetwork(settings.channels, brake_cut=settings.brake_cut, generator=generator)
+    network = lesson.network(features, columns, generator)
     if initial is not None:
         _begin_with(network, initial)
 
-    def losses(shown: Tensor, done: Tensor, hidden: Tensor) -> tuple[Tensor, dict[str, Tensor]]:
+    def losses(bright: Tensor, batch: Batch) -> tuple[Tensor, dict[str, Tensor]]:
         with torch.autocast("cpu", torch.bfloat16, settings.bfloat16 and has_bfloat16()):
-            features = network.features(shown)
-        return primary_loss(
-            network.heads(features.float()),
-            done,
-            hidden,
-            sensor_range=settings.sensor_range,
-            weights=settings.loss,
-        )
+            seen = network.features(bright)
+        return lesson.loss(network, network.join(seen.float(), batch), batch)
 
-    def batch(numbers: np.ndarray) -> tuple[Tensor, Tensor, Tensor]:
-        picked = (array[numbers] for array in (images, actions, affordances))
-        shown, done, hidden = (torch.from_numpy(array) for array in picked)
-        return shown, done, hidden
+    def batch(numbers: np.ndarray) -> Batch:
+        return {name: torch.from_numpy(columns[name][numbers]) for name in features}
 
     def loss_of(numbers: np.ndarray) -> Tensor:
-        shown, done, hidden = batch(numbers)
-        if settings.mirror:
-            chosen = torch.rand(len(numbers), generator=generator) < 0.5
-            shown, done, hidden = mirror(shown, done, hidden, chosen)
-        bright = to_float(shown)
-        if settings.jitter:
-            bright = jitter(bright, settings.jitter, generator)
-        return losses(bright, done, hidden)[0]
+        shown = lesson.augment(batch(numbers), generator)
+        bright = to_float(shown[network.camera])
+        if lesson.jitter:
+            bright = jitter(bright, lesson.jitter, generator)
+        return losses(bright, shown)[0]
 
     @torch.inference_mode()
     def validate() -> Metrics:
         sums: dict[str, float] = {}
         for numbers in _chunks(held_out):
-            shown, done, hidden = batch(numbers)
-            loss, parts = losses(to_float(shown), done, hidden)
+            shown = batch(numbers)
+            loss, parts = losses(to_float(shown[network.camera]), shown)
             for name, value in {"loss": loss, **parts}.items():
                 sums[name] = sums.get(name, 0.0) + float(value) * len(numbers)
         return {f"validation_{name}": value / len(held_out) for name, value in sums.items()}
@@ -200,12 +193,12 @@ def class_weights(safe: np.ndarray, balance: float) -> Tensor:
     return torch.from_numpy(weights / (shares * weights).sum()).float()
 
 
-def _begin_with(network: PrimaryNetwork, initial: Mapping[str, Tensor]) -> None:
+def _begin_with(network: ConvNetwork, initial: Mapping[str, Tensor]) -> None:
     try:
         network.load_state_dict(initial)
     except RuntimeError as error:
         raise ValueError(
-            f"initial does not fit a primary of {network.conv1.out_channels} channels: "
+            f"initial does not fit a primary of {network.channels} channels: "
             f"{' '.join(str(error).split())}"
         ) from None
 

@@ -21,9 +21,13 @@ WEIGHTS_FILE = "model.safetensors"
 
 PRIMARY_TYPE = "safedagger_primary"
 SAFETY_TYPE = "safedagger_safety"
+CONV_TYPE = "safedagger_conv"
 """LeRobot's names for our kinds of policies."""
 
-PRIMARIES = {PRIMARY_TYPE: "pipeline.driving.network:PrimaryNetwork"}
+PRIMARIES = {
+    PRIMARY_TYPE: "pipeline.driving.network:PrimaryNetwork",
+    CONV_TYPE: "pipeline.policies.conv:ConvActor",
+}
 """By its type in config.json: where the network of a primary is, as "module:class"."""
 
 LABELS = ("tau", "include_brake", "horizon", "horizon_mode")

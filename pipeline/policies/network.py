@@ -65,7 +65,11 @@ class ConvNetwork(nn.Module):
 
     def look(self, seen: Mapping[str, Tensor]) -> Tensor:
         """What a safety policy reads, float [B, ...], of columns [B, ...]; images are uint8."""
-        return self.features(to_float(seen[self.camera])).float()
+        return self.join(self.features(to_float(seen[self.camera])).float(), seen)
+
+    def join(self, features: Tensor, seen: Mapping[str, Tensor]) -> Tensor:
+        """Conv5's activations with what else is `seen`; here nothing."""
+        return features
 
     def act(self, looked: Tensor) -> Tensor:
         """Actions float32 [B, A], from the result of `look`."""

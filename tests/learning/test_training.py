@@ -5,9 +5,10 @@ import pytest
 import torch
 
 from pipeline.driving.deviation import deviation
-from pipeline.driving.features import CAMERA
+from pipeline.driving.features import CAMERA, IMITATED
+from pipeline.driving.lesson import DrivingLesson
 from pipeline.learning.labels import safe_labels
-from pipeline.learning.settings import PrimarySettings, SafetySettings
+from pipeline.learning.settings import Optimisation, SafetySettings
 from pipeline.learning.training import (
     class_weights,
     safe_probabilities,
@@ -19,7 +20,13 @@ from pipeline.policies.inference import propose
 FRAMES = 240
 
 
-def primary_settings(**fields) -> PrimarySettings:
+def lesson(**fields) -> DrivingLesson:
+    given = {"channels": 4, "jitter": 0.0, "mirror": False, "brake_cut": 0.5}
+    weights = {"steering_weight": 20.0, "brake_weight": 1.0, "brake_on": 3.0}
+    return DrivingLesson(**given | weights | fields)
+
+
+def settings(**fields) -> Optimisation:
     given = {
         "optimizer": "adamw",
         "learning_rate": 3e-3,
@@ -28,9 +35,13 @@ def primary_settings(**fields) -> PrimarySettings:
         "batch": 16,
         "validation": 0.2,
         "threads": 1,
-        "channels": 4,
     }
-    return PrimarySettings(**given | fields)
+    return Optimisation(**given | fields)
+
+
+def train(drives, told: Optimisation, of: DrivingLesson | None = None, **more):
+    columns = dict(zip((CAMERA, "action", "affordances"), drives, strict=False))
+    return train_primary(of or lesson(), IMITATED, columns, drives[3], told, **more)
 
 
 @pytest.fixture(scope="module")
@@ -54,7 +65,7 @@ def drives() -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
 @pytest.fixture(scope="module")
 def trained(drives):
     torch.set_num_threads(1)
-    return train_primary(*drives, primary_settings())
+    return train(drives, settings())
 
 
 def test_the_primary_learns_to_read_the_steering(drives, trained):
@@ -70,9 +81,9 @@ def test_the_primary_learns_to_read_the_steering(drives, trained):
 
 def test_the_metrics_are_told_after_each_epoch(drives):
     told = []
-    _, metrics = train_primary(
-        *drives,
-        primary_settings(passes=500),
+    _, metrics = train(
+        drives,
+        settings(passes=500),
         on_epoch=lambda epoch, epochs, metrics: told.append((epoch, epochs, metrics)),
     )
     assert [(epoch, epochs) for epoch, epochs, _ in told] == [(1, 3), (2, 3), (3, 3)]
@@ -84,8 +95,8 @@ def test_the_metrics_are_told_after_each_epoch(drives):
 @pytest.mark.parametrize("bfloat16", [True, False])
 def test_the_same_seed_gives_the_same_bytes(drives, bfloat16):
     def weights(seed: int) -> list[bytes]:
-        fields = {"jitter": 0.2, "mirror": True, "bfloat16": bfloat16, "seed": seed}
-        network, _ = train_primary(*drives, primary_settings(passes=64, **fields))
+        told = settings(passes=64, bfloat16=bfloat16, seed=seed)
+        network, _ = train(drives, told, lesson(jitter=0.2, mirror=True))
         return [weight.detach().numpy().tobytes() for weight in network.parameters()]
 
     state = torch.get_rng_state()
@@ -99,8 +110,8 @@ def test_the_same_seed_gives_the_same_bytes(drives, bfloat16):
 def test_a_warm_start_begins_where_the_last_ended(drives, trained):
     network, _ = trained
     initial = network.state_dict()
-    settings = primary_settings(passes=1, learning_rate=1e-12, weight_decay=0.0, validation=0.0)
-    continued, metrics = train_primary(*drives, settings, initial=initial)
+    told = settings(passes=1, learning_rate=1e-12, weight_decay=0.0, validation=0.0)
+    continued, metrics = train(drives, told, initial=initial)
     for name, weight in continued.state_dict().items():
         assert torch.allclose(weight, initial[name], atol=1e-9)
     assert "validation_loss" not in metrics
@@ -108,23 +119,23 @@ def test_a_warm_start_begins_where_the_last_ended(drives, trained):
 
 def test_a_warm_start_from_another_width_is_refused(drives, trained):
     with pytest.raises(ValueError, match="initial does not fit a primary of 8 channels") as caught:
-        train_primary(*drives, primary_settings(channels=8), initial=trained[0].state_dict())
+        train(drives, settings(), lesson(channels=8), initial=trained[0].state_dict())
     assert "\n" not in str(caught.value)
 
 
 def test_the_papers_sgd_learns_too(drives):
-    settings = primary_settings(optimizer="sgd", learning_rate=0.005, weight_decay=0.001)
+    told_sgd = settings(optimizer="sgd", learning_rate=0.005, weight_decay=0.001)
     losses = []
-    train_primary(*drives, settings, on_epoch=lambda *told: losses.append(told[2]["loss"]))
+    train(drives, told_sgd, on_epoch=lambda *told: losses.append(told[2]["loss"]))
     assert losses[-1] < 0.7 * losses[0]
 
 
 @pytest.mark.parametrize(
     ("position", "wrong", "words"),
     [
-        (0, np.zeros((4, 72, 160, 3), np.float32), "images is float32"),
+        (0, np.zeros((4, 72, 160, 3), np.float32), f"{CAMERA} is float32"),
         (0, np.zeros((4, 160, 72, 3), np.uint8), r"expected uint8 \(4, 72, 160, 3\)"),
-        (1, np.zeros((4, 3), np.float32), r"actions is float32 \(4, 3\)"),
+        (1, np.zeros((4, 3), np.float32), r"action is float32 \(4, 3\)"),
         (2, np.zeros((3, 10), np.float32), r"affordances is float32 \(3, 10\)"),
         (3, np.zeros(4), "episode_index is float64"),
     ],
@@ -138,7 +149,7 @@ def test_arrays_of_another_kind_are_refused(position, wrong, words):
     ]
     arrays[position] = wrong
     with pytest.raises(ValueError, match=words):
-        train_primary(*arrays, primary_settings())
+        train(arrays, settings())
 
 
 def test_nothing_cannot_be_learned_from():
