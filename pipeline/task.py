@@ -8,19 +8,16 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from dataclasses import dataclass, fields
-from importlib import import_module
 from typing import TYPE_CHECKING, Any, ClassVar, get_type_hints
 
 from pipeline.data.schema import Feature
+from pipeline.registry import TASKS, find_subclass
 
 if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
     from pipeline.environment import Environment
-
-TASKS = {"driving": "pipeline.driving.task:Driving"}
-"""Where each task is; one of your own may be named in the same way, as "module:class"."""
 
 
 @dataclass(frozen=True)
@@ -76,25 +73,7 @@ def load_task(name: str) -> type[Task]:
     Raises:
         ValueError: there is none.
     """
-    found: type[Task] = seam("task", name, TASKS, Task)
-    return found
-
-
-def seam(what: str, name: str, known: Mapping[str, str], kind: type) -> Any:
-    """The subclass of `kind` that is `known` by a name, or named as "module:class".
-
-    Raises:
-        ValueError: there is none.
-    """
-    module, _, attribute = known.get(name, name).partition(":")
-    try:
-        found = getattr(import_module(module), attribute)
-    except (ImportError, AttributeError, ValueError):
-        names = ", ".join(known)
-        raise ValueError(f"{what} {name!r}: expected one of {names}, or module:class") from None
-    if not (isinstance(found, type) and issubclass(found, kind)):
-        expected = f"{kind.__module__}.{kind.__name__}"
-        raise ValueError(f"{what} {name!r} is {found!r}, expected a subclass of {expected}")
+    found: type[Task] = find_subclass("task", name, TASKS, Task)
     return found
 
 

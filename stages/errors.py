@@ -37,7 +37,7 @@ def errors(
 
     check_place(figure, metrics)
     network = load_primary(primary)
-    rule = LabelRule(include_brake=False, horizon=0.0, mode="last")
+    rule = LabelRule("steering", horizon=0.0, mode="last")
     deviations = {
         name: judge(network, Dataset.open(dataset), rule=rule).deviation
         for name, dataset in (("trained on", trained), ("held out", held_out))

@@ -111,8 +111,9 @@ def chosen(command: Callable[..., None], typed: Sequence[str]) -> Callable[..., 
     name = getattr(command, "seam", None)
     if name is None:
         return command
-    from pipeline.policies.lesson import LESSONS, load_lesson
-    from pipeline.task import TASKS, load_task
+    from pipeline.policies.lesson import load_lesson
+    from pipeline.registry import LESSONS, TASKS
+    from pipeline.task import load_task
 
     known, load = {"task": (TASKS, load_task), "policy": (LESSONS, load_lesson)}[name]
     return _with_settings(command, name, known, load(_after(f"--{name}", typed, "driving")))

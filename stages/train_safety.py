@@ -6,6 +6,7 @@ from typing import Annotated
 
 import typer
 
+from pipeline.registry import MEASURES
 from stages import options
 
 app = typer.Typer()
@@ -25,10 +26,10 @@ def train_safety(
     d_safe: Annotated[Path, typer.Argument(help="D_safe: no primary was trained on it.")],
     dataset: Annotated[Path, typer.Argument(help="D_i: this primary was trained on it.")],
     output: options.Output,
-    tau: Annotated[
-        float, typer.Option(min=0, help="Threshold on the squared steering error: safe up to here.")
+    tau: Annotated[float, typer.Option(min=0, help="Threshold on the deviation: safe up to here.")],
+    measure: Annotated[
+        str, typer.Option(help=f"What deviates: {', '.join(MEASURES)}, or module:function.")
     ],
-    include_brake: Annotated[bool, typer.Option(help="Whether a wrong brake is a deviation too.")],
     horizon: Annotated[
         float, typer.Option(min=0, help="How far ahead to foresee a deviation [s].")
     ],
@@ -102,12 +103,12 @@ def train_safety(
         hidden=hidden,
         tau=tau,
         cut=cut,
-        include_brake=include_brake,
+        measure=measure,
         horizon=horizon,
         horizon_mode=horizon_mode.value,
         balance=balance,
     )
-    rule = LabelRule(include_brake, horizon, horizon_mode.value)
+    rule = LabelRule(measure, horizon, horizon_mode.value)
     with new_directory(output) as folder:
         safe_data, own_data = Dataset.open(d_safe), Dataset.open(dataset)
         refuse_shared(own_data, safe_data)

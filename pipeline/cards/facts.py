@@ -122,7 +122,7 @@ def _unsafe(dataset: Dataset, columns: dict[str, NDArray]) -> tuple[int, int, tu
             epsilon = judgement.deviation(columns["primary_action"][rows], columns["action"][rows])
             compared += int((~np.isnan(epsilon)).sum())
             deviating += int((epsilon > judgement.tau).sum())
-            words.append(f"deviation of {judgement.measure} above tau = {judgement.tau:g}")
+            words.append(f"deviation of {judgement.words} above tau = {judgement.tau:g}")
     return compared, deviating, tuple(dict.fromkeys(words))
 
 

@@ -28,7 +28,7 @@ _CONFIG = {
     "loss": "what each part of its loss counts for",
     "hidden": "width of each of the two hidden layers",
     "tau": "threshold of its labels: safe is a deviation of at most this",
-    "include_brake": "whether a wrong brake is a deviation too",
+    "measure": "what deviates, squared",
     "horizon": "how far ahead its labels look [s]",
     "horizon_mode": "of the deviations within that, which one counts",
     "cut": "unsafe is a safe probability below this",

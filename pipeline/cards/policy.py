@@ -8,12 +8,12 @@ from typing import Any
 from torch import Tensor
 
 from pipeline.policies.loading import (
-    PRIMARIES,
     SAFETY_TYPE,
     load_primary,
     load_safety,
     read_config,
 )
+from pipeline.registry import PRIMARIES
 
 
 @dataclass(frozen=True)

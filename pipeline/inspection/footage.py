@@ -11,7 +11,7 @@ from scipy.spatial import KDTree
 
 from pipeline.data.schema import Episode
 from pipeline.driving.cars import LENGTH
-from pipeline.driving.deviation import deviation
+from pipeline.driving.deviation import steering
 from pipeline.driving.features import CAMERA
 from pipeline.driving.tracks import LANE_WIDTH, Track, make_track
 from pipeline.rollout.judgement import Judgement
@@ -122,7 +122,7 @@ class Footage:
         """
         driven = np.array([frame.intervention])
         pair = frame.primary_action[None], frame.reference_action[None]
-        epsilon = judgement.deviation(*pair) if judgement else deviation(*pair)
+        epsilon = judgement.deviation(*pair) if judgement else steering(*pair)
         return cls(
             frame=np.array([number]),
             image=frame.observation[CAMERA][None],

@@ -118,7 +118,7 @@ def drive_tracer(
 
 def _judged(judgement: Judgement | None) -> list[Trace]:
     """The deviation; and where a safety policy drove, what it calls unsafe."""
-    measure = judgement.measure if judgement else "steering"
+    measure = judgement.words if judgement else "steering"
     plotted = dots(
         "deviation/deviation",
         PINK,

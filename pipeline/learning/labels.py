@@ -9,15 +9,15 @@ from typing import Any, Literal, Self
 
 import numpy as np
 
-from pipeline.driving.deviation import deviation
+from pipeline.policies.measures import load_measure
 
 
 @dataclass(frozen=True)
 class LabelRule:
     """What of a drive is held against a primary: the deviation that Eq. 2 compares with tau."""
 
-    include_brake: bool
-    """whether a wrong brake is a deviation too"""
+    measure: str
+    """what deviates: a name of `registry.MEASURES`"""
     horizon: float
     """>= 0 [s], how far ahead the deviation is looked for"""
     mode: Literal["last", "max"]
@@ -26,7 +26,7 @@ class LabelRule:
     @classmethod
     def of(cls, config: dict[str, Any]) -> Self:
         """The rule that a safety policy's configuration carries."""
-        return cls(config["include_brake"], config["horizon"], config["horizon_mode"])
+        return cls(config["measure"], config["horizon"], config["horizon_mode"])
 
     def deviation(
         self, proposed: np.ndarray, reference: np.ndarray, episode_index: np.ndarray, fps: float
@@ -34,9 +34,9 @@ class LabelRule:
         """[N], what labels each frame of `proposed` and `reference` [N, 2], `fps` frames a second.
 
         Raises:
-            ValueError: as `deviation` and `label_horizon`.
+            ValueError: as `load_measure`, the measure and `label_horizon`.
         """
-        epsilon = deviation(proposed, reference, include_brake=self.include_brake)
+        epsilon = load_measure(self.measure)(proposed, reference)
         return label_horizon(epsilon, episode_index, round(self.horizon * fps), self.mode)
 
 

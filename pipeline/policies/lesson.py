@@ -10,7 +10,7 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING, ClassVar
 
 from pipeline.data.schema import Feature
-from pipeline.task import seam
+from pipeline.registry import LESSONS, find_subclass
 
 if TYPE_CHECKING:
     import torch
@@ -19,12 +19,6 @@ if TYPE_CHECKING:
     from torch import Tensor
 
     from pipeline.policies.network import ConvNetwork
-
-LESSONS = {
-    "driving": "pipeline.driving.lesson:DrivingLesson",
-    "conv": "pipeline.policies.conv:ConvLesson",
-}
-"""Where each kind of primary is; one of your own may be named in the same way, "module:class"."""
 
 
 class Lesson(ABC):
@@ -76,5 +70,5 @@ def load_lesson(name: str) -> type[Lesson]:
     Raises:
         ValueError: there is none.
     """
-    found: type[Lesson] = seam("policy", name, LESSONS, Lesson)
+    found: type[Lesson] = find_subclass("policy", name, LESSONS, Lesson)
     return found

@@ -3,7 +3,6 @@
 import hashlib
 import json
 from dataclasses import dataclass
-from importlib import import_module
 from pathlib import Path
 from types import UnionType
 from typing import Any
@@ -14,6 +13,7 @@ from torch import Tensor, nn
 
 from pipeline.data.lineage import Lineage
 from pipeline.policies.network import ConvNetwork, SafetyNetwork
+from pipeline.registry import PRIMARIES, find
 
 CONFIG_FILE = "config.json"
 WEIGHTS_FILE = "model.safetensors"
@@ -24,13 +24,7 @@ SAFETY_TYPE = "safedagger_safety"
 CONV_TYPE = "safedagger_conv"
 """LeRobot's names for our kinds of policies."""
 
-PRIMARIES = {
-    PRIMARY_TYPE: "pipeline.driving.network:PrimaryNetwork",
-    CONV_TYPE: "pipeline.policies.conv:ConvActor",
-}
-"""By its type in config.json: where the network of a primary is, as "module:class"."""
-
-LABELS = ("tau", "include_brake", "horizon", "horizon_mode")
+LABELS = ("tau", "measure", "horizon", "horizon_mode")
 """What a safety policy's configuration says of the labels that it learned."""
 
 
@@ -66,8 +60,7 @@ class Config:
 def load_primary(directory: Path) -> ConvNetwork:
     """The network of a primary in a policy's directory; ValueError where it is missing or misfits."""
     config = read_config(directory, *PRIMARIES)
-    module, _, name = PRIMARIES[config.kind].partition(":")
-    network: ConvNetwork = getattr(import_module(module), name).of(config)
+    network: ConvNetwork = find("policy", config.kind, PRIMARIES).of(config)
     load_weights(network, directory)
     return network
 

@@ -45,8 +45,8 @@ class SafetyConfig(OfflineConfig):
     """>= 0 [s], how far ahead the labels look."""
     horizon_mode: Literal["last", "max"] = "last"
     """Whether they take the deviation at the end of the horizon, or the largest within."""
-    include_brake: bool = False
-    """Whether a wrong brake counts as a deviation."""
+    measure: str = "mean-square"
+    """What deviates: a name of `registry.MEASURES`."""
     balance: float = 0.0
     """[0, 1], class weights in its training: 0 none, 1 balanced."""
 

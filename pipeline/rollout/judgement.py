@@ -8,7 +8,7 @@ from typing import Any, Self
 import numpy as np
 
 from pipeline.data.lineage import Lineage, first_bits
-from pipeline.driving.deviation import deviation
+from pipeline.policies.measures import load_measure
 from pipeline.rollout.rules.naive import Naive
 from pipeline.rollout.rules.optimal import Optimal
 from pipeline.rollout.rules.reference import Reference
@@ -25,13 +25,13 @@ class Judgement:
     """[0, 1]: a `safe_probability` below it is unsafe"""
     tau: float
     """>= 0: a deviation above it is"""
-    include_brake: bool
-    """whether a wrong brake is a deviation, too"""
+    measure: str
+    """what deviates: a name of `registry.MEASURES`"""
 
     @classmethod
     def of(cls, labels: Mapping[str, Any], cut: float) -> Self:
         """From what a safety policy's configuration says of its labels."""
-        return cls(cut, labels["tau"], labels["include_brake"])
+        return cls(cut, labels["tau"], labels["measure"])
 
     @classmethod
     def read(cls, safety: Path, cut: float | None = None) -> Self:
@@ -45,13 +45,13 @@ class Judgement:
         return cls.of(read_labels(safety), read_cut(safety) if cut is None else cut)
 
     @property
-    def measure(self) -> str:
-        """What deviates, in words."""
-        return "steering and brake" if self.include_brake else "steering"
+    def words(self) -> str:
+        """What deviates."""
+        return self.measure.replace("-", " ")
 
     def deviation(self, proposed: np.ndarray, reference: np.ndarray) -> np.ndarray:
-        """Epsilon float32 [N] as the labels know it; NaN where either action [N, 2] is."""
-        return deviation(proposed, reference, include_brake=self.include_brake)
+        """Epsilon float32 [N] as the labels know it; NaN where either action [N, A] is."""
+        return load_measure(self.measure)(proposed, reference)
 
     def rule(self, strategy: Strategy) -> Rule:
         """The rule of a driving strategy.

@@ -98,7 +98,11 @@ def _write_rollout(folder: Path, d_0: Dataset, policies: list[Lineage]) -> None:
     ]
     endings = [{"episode": n, "ended": ended} for n, ended in enumerate(("road left", "budget"))]
     driven = [replace(drive, ending=end) for drive, end in zip(driven, endings, strict=True)]
-    arguments = {"iteration": 1, **JUDGED, "labels": LABELS | {"tau": 0.05, "include_brake": True}}
+    arguments = {
+        "iteration": 1,
+        **JUDGED,
+        "labels": LABELS | {"tau": 0.05, "measure": "steering-and-brake"},
+    }
     recipe = Recipe("rollout", arguments, policies)
     write_dataset(folder / "rollout_1", driven, recipe, fps=10, robot=ROBOT_TYPE)
     select(Dataset.open(folder / "rollout_1"), folder / "new_1")

@@ -14,7 +14,7 @@ from pipeline.rollout.rules.rule import Rule
 from pipeline.rollout.rules.safe import Safe
 from pipeline.rollout.strategies import DRIVING, Strategy
 
-TRUSTING = Judgement(cut=0.0, tau=9.0, include_brake=False)
+TRUSTING = Judgement(cut=0.0, tau=9.0, measure="steering")
 RULES = [TRUSTING.rule(strategy) for strategy in DRIVING]
 ALWAYS = Safe(1.0)
 TASK = Driving(tracks="alder,yew", traffic=3, record_every=3, laps=3.0, seconds=2.0)
@@ -79,7 +79,7 @@ def test_the_optimal_safety_policy_leaves_the_primary_no_deviation_above_tau(
 ) -> None:
     """Eq. 2: what the primary drives deviates by tau at most; what is left goes to the reference."""
     tau = 1e-4
-    rule = Judgement(0.0, tau, include_brake=False).rule(Strategy.OPTIMAL)
+    rule = Judgement(0.0, tau, measure="steering").rule(Strategy.OPTIMAL)
     outcome = evaluate(plan(Strategy.OPTIMAL, 0, rule), 0, driver)
     assert outcome.squared_error_sum <= tau * outcome.primary_frames
     assert outcome.takeover_frames > 0

@@ -148,7 +148,7 @@ def test_tau_stands_beside_what_the_labels_call_a_deviation(
     episodes: list[Episode], tmp_path: Path
 ) -> None:
     """Of a safety policy that knows brakes, the brake is in it: a wrong one is above any tau."""
-    labels = LABELS | {"include_brake": True}
+    labels = LABELS | {"measure": "steering-and-brake"}
     dataset = write(tmp_path / "braking", episodes, "rollout", cut=CUT, labels=labels)
     (excerpt,) = whole_episodes(dataset, 1)
     path = save(tmp_path / "braking.rrd", [excerpt])

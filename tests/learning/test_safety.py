@@ -11,7 +11,7 @@ from pipeline.learning.labels import LabelRule
 from pipeline.learning.safety import Judged, held_out_episodes, judge
 from tests.episodes import random_episode, write
 
-RULE = LabelRule(include_brake=False, horizon=0.0, mode="last")
+RULE = LabelRule(measure="steering", horizon=0.0, mode="last")
 
 
 def judged(lengths: list[int]) -> Judged:
@@ -45,7 +45,8 @@ def test_labels_look_ahead_by_seconds_and_within_an_episode(tmp_path: Path) -> N
     dataset = write(tmp_path / "D", episodes)
     primary = PrimaryNetwork(2, generator=torch.Generator().manual_seed(0))
     now, ahead = (
-        judge(primary, dataset, rule=LabelRule(False, seconds, "last")) for seconds in (0.0, 0.2)
+        judge(primary, dataset, rule=LabelRule("steering", seconds, "last"))
+        for seconds in (0.0, 0.2)
     )
     assert ahead.deviation.tolist() == now.deviation[[2, 3, 3, 3, 5, 5]].tolist()
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import torch
 
-from pipeline.driving.deviation import deviation
+from pipeline.driving.deviation import steering
 from pipeline.driving.features import CAMERA, IMITATED
 from pipeline.driving.lesson import DrivingLesson
 from pipeline.learning.labels import safe_labels
@@ -76,7 +76,7 @@ def test_the_primary_learns_to_read_the_steering(drives, trained):
     assert metrics["validation_steering"] < 0.2 * actions[:, 0].var()
     assert {f"validation_{part}" for part in ("loss", "brake", "indicators")} <= set(metrics)
     proposed, _ = propose(network, {CAMERA: images})
-    assert deviation(proposed, actions).mean() < 0.2 * actions[:, 0].var()
+    assert steering(proposed, actions).mean() < 0.2 * actions[:, 0].var()
 
 
 def test_the_metrics_are_told_after_each_epoch(drives):

@@ -57,7 +57,7 @@ def test_its_gradient_never_reaches_the_primary():
 
 
 def test_it_is_loaded_as_it_was_saved_with_the_rule_of_its_labels(tmp_path: Path):
-    policy = make(tau=0.01, cut=0.4, horizon=1.0, horizon_mode="max", include_brake=True)
+    policy = make(tau=0.01, cut=0.4, horizon=1.0, horizon_mode="max", measure="steering")
     policy.save_pretrained(tmp_path / "safety_0")
     again = SafetyPolicy.from_pretrained(tmp_path / "safety_0")
     assert again.config == policy.config

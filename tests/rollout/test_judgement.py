@@ -13,31 +13,31 @@ from pipeline.rollout.rules.safe import Safe
 from pipeline.rollout.strategies import DRIVING, Strategy
 
 
-@pytest.mark.parametrize("include_brake", [False, True])
+@pytest.mark.parametrize(("measure", "more"), [("steering", 0), ("steering-and-brake", 1)])
 def test_it_goes_by_the_labels_and_the_cut_of_the_safety_policy(
-    include_brake: bool, tmp_path: Path
+    measure: str, more: int, tmp_path: Path
 ) -> None:
     network = SafetyNetwork(
         PrimaryNetwork(4).feature_size, 8, generator=torch.Generator().manual_seed(1)
     )
     config = SafetyConfig(
-        features=network.in_features, hidden=8, tau=0.01, cut=0.4, include_brake=include_brake
+        features=network.in_features, hidden=8, tau=0.01, cut=0.4, measure=measure
     )
     SafetyPolicy(config, network).save_pretrained(tmp_path)
-    assert Judgement.read(tmp_path) == Judgement(0.4, 0.01, include_brake)
+    assert Judgement.read(tmp_path) == Judgement(0.4, 0.01, measure)
     judgement = Judgement.read(tmp_path, 0.3)
     assert judgement.rule(Strategy.SAFE) == Safe(0.3)
     optimal = judgement.rule(Strategy.OPTIMAL)
     assert isinstance(optimal, Optimal) and optimal.tau == 0.01
     actions = np.float32([[0.1, 0.0]]), np.float32([[0.3, 1.0]])
-    expected = pytest.approx([0.04 + include_brake])
+    expected = pytest.approx([0.04 + more])
     assert optimal.deviation(*actions) == expected == judgement.deviation(*actions)
     with pytest.raises(ValueError, match=r"config.json: No such file"):
         Judgement.read(tmp_path / "missing")
 
 
 def test_each_driving_strategy_has_its_rule() -> None:
-    judgement = Judgement(0.5, 0.0025, include_brake=True)
+    judgement = Judgement(0.5, 0.0025, "steering-and-brake")
     for strategy in (*DRIVING, Strategy.REFERENCE):
         assert judgement.rule(strategy).name == strategy
     with pytest.raises(ValueError, match="strategy is mixture"):

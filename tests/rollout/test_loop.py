@@ -139,7 +139,7 @@ class CountingEnv(DrivingEnv):
         return super().look_up()
 
 
-JUDGED = Judgement(0.5, 0.0, include_brake=True)
+JUDGED = Judgement(0.5, 0.0, "steering-and-brake")
 
 
 @pytest.mark.parametrize("measure", [False, True])

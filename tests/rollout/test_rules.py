@@ -17,7 +17,7 @@ from pipeline.rollout.strategies import DRIVING, parse_driving
 
 shares = st.floats(0, 1)
 known = st.one_of(shares, st.just(math.nan))
-STEERING = Judgement(0.5, 0.0, include_brake=False).deviation
+STEERING = Judgement(0.5, 0.0, "steering").deviation
 
 
 def decide(rule: Rule, safe_probability: float = math.nan, apart: float = 0.0) -> Decision:

@@ -244,7 +244,7 @@ def test_training_is_refused_what_would_spoil_it(
         error,
     )
 
-    of_one = (*flat(SAFETY), "--no-include-brake", "--metrics", "m")
+    of_one = (*flat(SAFETY), "--measure", "steering", "--metrics", "m")
     code, error = run(capsys, monkeypatch, "train-safety", "one", "D_0", "D_0", "bad", *of_one)
     assert code == 2
     assert error == "safedagger: D_0: 6 of its frames are in D_0 too, expected none\n"
@@ -324,7 +324,7 @@ def test_the_cut_of_a_rollout_is_its_safety_policys_own(
         write(Path(name), episodes, name)
     train = ("train-primary", "D_0", "primary", *flat(PRIMARY), "--no-mirror")
     assert run(capsys, monkeypatch, *train)[0] == 0
-    safety = (*flat(SAFETY | {"--cut": "1"}), "--no-include-brake", "--metrics", "m")
+    safety = (*flat(SAFETY | {"--cut": "1"}), "--measure", "steering", "--metrics", "m")
     train = ("train-safety", "primary", "D_safe", "D_0", "safety", *safety)
     assert run(capsys, monkeypatch, *train)[0] == 0
     budget = {"--queries": "99", "--frames": "10", "--iteration": "1"}
@@ -366,27 +366,3 @@ def test_a_task_that_there_is_not_is_named_in_one_line(
     assert code == 2
     assert len(error.splitlines()) == 1
     assert error.startswith(f"safedagger: task {task!r}") and "expected" in error
-
-
-def test_another_task_is_driven_by_the_same_commands(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """A world in one file: collected by its reference, selected from, merged, counted, shown."""
-    from pipeline.data.dataset import Dataset
-
-    monkeypatch.chdir(tmp_path)
-    task = ("--task", "tests.stages.pendulum:Pendulum", "--length", "1.5", "--seed", "0")
-    for name, purpose in (("D_0", "D_0"), ("more", "supervised")):
-        how = ("--episodes", "2", "--iteration", "0", "--purpose", purpose, "--workers", "1")
-        assert run(capsys, monkeypatch, "collect", name, *task, *how) == (0, "")
-    d_0 = Dataset.open(Path("D_0"))
-    assert (len(d_0.lengths), d_0.fps, d_0.info["robot_type"]) == (2, 20, "pendulum")
-    assert d_0.tasks == ["swing up a pendulum of 1.5 m", "hold up a pendulum of 1.5 m"]
-    assert d_0.column("queried").all()
-    state = d_0.columns(["observation.state"])["observation.state"]
-    assert state.shape == (len(d_0), 3) and np.isfinite(state).all()
-    assert d_0.lineage.own.arguments["length"] == 1.5
-    assert [drive["ended"] for drive in d_0.drives] == ["out of time"] * 2
-    assert run(capsys, monkeypatch, "merge", "D_0", "more", "D_1") == (0, "")
-    assert run(capsys, monkeypatch, "ledger", "more", "D_1", "--metrics", "m.json") == (0, "")
-    assert run(capsys, monkeypatch, "inspect", "D_1", "--save", "D_1.rrd") == (0, "")

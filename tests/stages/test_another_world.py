@@ -1,0 +1,211 @@
+"""Algorithm 1 in a world of one file, tests/stages/pendulum.py, by the commands that the car has."""
+
+import json
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from pipeline.data.dataset import Dataset
+from stages import __main__ as cli
+
+TASK = ("--task", "tests.stages.pendulum:Pendulum", "--length", "1.5", "--seed", "0")
+FIT = (
+    *("--optimizer", "adamw", "--learning-rate", "0.003", "--weight-decay", "0", "--batch", "8"),
+    *("--passes", "400", "--validation", "0", "--patience", "1", "--seed", "0", "--threads", "1"),
+)
+CONV = ("--policy", "conv", "--channels", "4", "--hidden", "16")
+SAFETY = (
+    *("--tau", "0.01", "--measure", "mean-square", "--horizon", "0", "--horizon-mode", "last"),
+    *("--cut", "0.5", "--balance", "1", "--held-out", "0.25", "--hidden", "8"),
+)
+
+
+def collect(name: str, purpose: str, episodes: int) -> tuple[object, ...]:
+    how = ("--purpose", purpose, "--iteration", "0", "--episodes", episodes, "--workers", "1")
+    return ("collect", name, *TASK, *how)
+
+
+LOOP: list[tuple[object, ...]] = [
+    collect("D_0", "D_0", 4),
+    collect("D_safe", "D_safe", 8),
+    ("train-primary", "D_0", "primary_0", *CONV, *FIT),
+    (
+        "train-safety",
+        "primary_0",
+        "D_safe",
+        "D_0",
+        "safety_0",
+        *SAFETY,
+        *FIT,
+        "--metrics",
+        "s.json",
+    ),
+    (
+        *("rollout", "primary_0", "safety_0", "rollout_1", *TASK, "--queries", "20"),
+        *("--frames", "60", "--iteration", "1", "--workers", "1", "--cut", "0.9"),
+        *("--metrics", "rollout_1.json"),
+    ),
+    ("select", "rollout_1", "new_1"),
+    ("merge", "D_0", "new_1", "D_1"),
+    ("ledger", "rollout_1", "D_1", "--metrics", "ledger_1.json"),
+    ("train-primary", "D_1", "primary_1", "--initial", "primary_0", *CONV, *FIT),
+    (
+        "train-safety",
+        "primary_1",
+        "D_safe",
+        "D_1",
+        "safety_1",
+        *SAFETY,
+        *FIT,
+        "--metrics",
+        "t.json",
+    ),
+    (
+        *("rollout-dagger", "primary_1", "dagger_2", *TASK, "--beta", "0.5", "--frames", "30"),
+        *("--iteration", "2", "--workers", "1"),
+    ),
+    ("sample", "dagger_2", "new_dagger_2", "--frames", "10", "--seed", "0"),
+    ("inspect", "rollout_1", "--save", "rollout_1.rrd"),
+]
+
+
+@pytest.fixture(scope="module")
+def house(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Where all of LOOP has run."""
+    root = tmp_path_factory.mktemp("world")
+    with pytest.MonkeyPatch.context() as patch:
+        patch.chdir(root)
+        for command in LOOP:
+            patch.setattr(sys, "argv", ["safedagger", *map(str, command)])
+            with pytest.raises(SystemExit) as exit_:
+                cli.main()
+            assert exit_.value.code == 0, command
+    return root
+
+
+def test_what_is_collected_is_the_tasks(house: Path) -> None:
+    d_0 = Dataset.open(house / "D_0")
+    assert (len(d_0.lengths), d_0.fps, d_0.info["robot_type"]) == (4, 20, "pendulum")
+    assert d_0.tasks[:2] == ["swing up a pendulum of 1.5 m", "hold up a pendulum of 1.5 m"]
+    assert d_0.column("queried").all()
+    state = d_0.columns(["observation.state"])["observation.state"]
+    assert state.shape == (len(d_0), 3) and np.isfinite(state).all()
+    assert d_0.lineage.own.arguments["length"] == 1.5
+    assert [drive["ended"] for drive in d_0.drives] == ["out of time"] * 4
+    assert {drive["upright"] for drive in d_0.drives} <= {"0.0", "1.0"}
+
+
+def test_what_was_asked_is_what_was_selected_merged_and_counted(house: Path) -> None:
+    before, driven, new, after = (
+        Dataset.open(house / name) for name in ("D_0", "rollout_1", "new_1", "D_1")
+    )
+    queries = int(driven.column("queried").sum())
+    assert 0 < queries == len(new) == len(after) - len(before)
+    ledger = json.loads((house / "ledger_1.json").read_text())
+    assert (ledger["queries"], ledger["frames_driven"]) == (queries, len(driven))
+    deviation = driven.column("deviation")
+    actions = driven.columns(["action", "primary_action"])
+    apart = (actions["action"] - actions["primary_action"])[:, 0] ** 2
+    asked = driven.column("queried")
+    np.testing.assert_allclose(deviation[asked], apart[asked], rtol=1e-5)
+    assert np.isnan(deviation[~asked]).all()
+
+
+def test_the_safety_policy_was_judged_by_the_measure_that_was_named(house: Path) -> None:
+    config = json.loads((house / "safety_0" / "config.json").read_text())
+    assert config["measure"] == "mean-square"
+    labels = Dataset.open(house / "rollout_1").lineage.own.arguments["labels"]
+    assert (labels["measure"], labels["tau"]) == ("mean-square", 0.01)
+
+
+def test_the_second_primary_began_with_the_first(house: Path) -> None:
+    weights = [(house / f"primary_{n}" / "model.safetensors").read_bytes() for n in (0, 1)]
+    assert weights[0] != weights[1]
+
+
+@pytest.mark.parametrize(
+    ("typed", "named"),
+    [
+        (("train-primary", "D_0", "x", "--policy", "nothing", *FIT), "policy 'nothing': expected"),
+        (
+            (
+                "train-safety",
+                "primary_0",
+                "D_safe",
+                "D_0",
+                "x",
+                *SAFETY,
+                *FIT,
+                "--metrics",
+                "m",
+                "--measure",
+                "steering",
+            ),
+            "expected the same (frames, 2)",
+        ),
+        (
+            (
+                "train-safety",
+                "primary_1",
+                "D_safe",
+                "D_1",
+                "x",
+                *SAFETY,
+                *FIT,
+                "--metrics",
+                "m",
+                "--measure",
+                "nothing",
+            ),
+            "measure 'nothing': expected one of mean-square",
+        ),
+        (
+            (
+                "rollout",
+                "primary_0",
+                "safety_0",
+                "x",
+                "--tracks",
+                "alder",
+                "--traffic",
+                "0",
+                "--record-every",
+                "3",
+                "--seconds",
+                "1",
+                "--queries",
+                "1",
+                "--frames",
+                "9",
+                "--iteration",
+                "1",
+                "--metrics",
+                "m",
+                "--seed",
+                "0",
+                "--workers",
+                "1",
+            ),
+            "observation.image is missing, expected uint8 (32, 32, 3)",
+        ),
+        (("compare", "rollout_1", "rollout_1"), "'observation.images.front' is missing"),
+    ],
+)
+def test_what_does_not_fit_is_one_line_and_leaves_nothing(
+    typed: tuple[str, ...],
+    named: str,
+    house: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    monkeypatch.chdir(house)
+    before = sorted(house.iterdir())
+    monkeypatch.setattr(sys, "argv", ["safedagger", *typed])
+    with pytest.raises(SystemExit) as exit_:
+        cli.main()
+    error = capsys.readouterr().err
+    assert (exit_.value.code, len(error.splitlines())) == (2, 1)
+    assert named in error
+    assert sorted(house.iterdir()) == before
