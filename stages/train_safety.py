@@ -59,6 +59,10 @@ def train_safety(
     metrics: options.Metrics,
     seed: options.Seed,
     threads: options.Threads,
+    features_of: Annotated[
+        str,
+        typer.Option(help="Of a primary of LeRobot's: the module whose input it reads."),
+    ] = "",
 ) -> None:
     """Train a primary's safety policy (lines 4 and 10).
 
@@ -96,9 +100,10 @@ def train_safety(
         hidden=hidden,
         balance=balance,
     )
-    network = load_primary(primary)
+    network = load_primary(primary, features_of)
     config = SafetyConfig(
         primary_sha256=weights_sha256(primary),
+        features_of=features_of,
         features=network.feature_size,
         hidden=hidden,
         tau=tau,

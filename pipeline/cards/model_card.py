@@ -21,6 +21,7 @@ from pipeline.rollout.strategies import Strategy
 
 _CONFIG = {
     "primary_sha256": "of the weights of the primary that it watches: it fits no other",
+    "features_of": "of a primary of LeRobot's, the module whose input it reads",
     "features": "numbers that it reads of what its primary looked at",
     "channels": "channels of Conv1 to Conv4; Conv5 has twice as many",
     "sensor_range": "distance that its affordances know as 1 [m]",
@@ -132,7 +133,7 @@ def _config(policy: PolicyFacts) -> str:
         value = policy.config.get(name)
         if isinstance(value, dict):
             value = ", ".join(f"{part} {weight:g}" for part, weight in value.items())
-        if value is not None:
+        if value not in (None, ""):
             rows.append([f"`{name}`", meaning, f"{value}"])
     return table(["`config.json`", "meaning", "value"], rows, words=3)
 

@@ -14,7 +14,7 @@ from pipeline.data.images import read_all
 from pipeline.data.labels import check_labels
 from pipeline.learning.labels import LabelRule
 from pipeline.policies.inference import propose
-from pipeline.policies.network import ConvNetwork
+from pipeline.policies.network import Actor
 
 
 @dataclass(frozen=True)
@@ -42,7 +42,7 @@ class Judged:
         return Judged(self.features[rows], self.deviation[rows], self.episode_index[rows])
 
 
-def judge(primary: ConvNetwork, dataset: Dataset, *, rule: LabelRule) -> Judged:
+def judge(primary: Actor, dataset: Dataset, *, rule: LabelRule) -> Judged:
     """Run a primary over a dataset whose every frame carries the reference's action.
 
     Args:

@@ -61,6 +61,7 @@ class ConvActor(ConvNetwork):
         super().__init__((height, width, colours), channels)
         self.camera, self.seen, self.action, self.hidden = camera, dict(seen), action, hidden
         self.numbers = seen[STATE]["shape"][0] if STATE in seen else 0
+        self.feature_size += self.numbers
         self.layers = nn.Sequential(
             linear(self.feature_size, hidden), nn.ReLU(), linear(hidden, action["shape"][0])
         )
@@ -84,11 +85,6 @@ class ConvActor(ConvNetwork):
             raise ValueError(
                 f"{config.path}: {error!r}, expected the features of a policy"
             ) from None
-
-    @property
-    def feature_size(self) -> int:
-        """Conv5's activations, and the state."""
-        return super().feature_size + self.numbers
 
     def scale(self, columns: Mapping[str, NDArray]) -> None:
         """Bring state and action to mean 0 and standard deviation 1, as they are in `columns`."""

@@ -13,9 +13,16 @@ import numpy as np
 import torch
 from torch import Tensor
 
+from pipeline.data.schema import column_dtype
 from pipeline.policies.computing import computing
-from pipeline.policies.loading import check_pair, load_primary, load_safety
-from pipeline.policies.network import ConvNetwork, SafetyNetwork, has_bfloat16
+from pipeline.policies.loading import (
+    SAFETY_TYPE,
+    check_pair,
+    load_primary,
+    load_safety,
+    read_config,
+)
+from pipeline.policies.network import Actor, SafetyNetwork, has_bfloat16
 
 _PROPOSED = 32
 """Images at a time: more do not fit into a processor's cache."""
@@ -37,7 +44,7 @@ class Driver:
 
     def __init__(
         self,
-        primary: ConvNetwork,
+        primary: Actor,
         safety: SafetyNetwork | None = None,
         *,
         bfloat16: bool = True,
@@ -60,8 +67,10 @@ class Driver:
         """
         if safety is not None:
             check_pair(primary, safety)
-        watching = load_safety(safety) if safety is not None else None
-        return cls(load_primary(primary), watching, bfloat16=bfloat16)
+        if safety is None:
+            return cls(load_primary(primary), bfloat16=bfloat16)
+        watched = load_primary(primary, read_config(safety, SAFETY_TYPE).text("features_of"))
+        return cls(watched, load_safety(safety), bfloat16=bfloat16)
 
     def propose(self, seen: Mapping[str, np.ndarray]) -> tuple[np.ndarray, dict[str, float]]:
         """The primary's action for an observation by column, and what the policies say beside it.
@@ -82,9 +91,8 @@ class Driver:
             ValueError: as `propose`.
         """
         for name, feature in self.primary.seen.items():
-            kind = "uint8" if name == self.primary.camera else feature["dtype"]
-            found = seen.get(name)
-            if found is None or (str(found.dtype), found.shape) != (kind, feature["shape"]):
+            kind, found = column_dtype(feature), seen.get(name)
+            if found is None or (found.dtype, found.shape) != (kind, feature["shape"]):
                 what = "missing" if found is None else f"{found.dtype} {found.shape}"
                 raise ValueError(f"{name} is {what}, expected {kind} {feature['shape']}")
         with torch.inference_mode():
@@ -105,7 +113,7 @@ class Driver:
 
 
 def propose(
-    network: ConvNetwork, seen: Mapping[str, np.ndarray], *, bfloat16: bool = True
+    network: Actor, seen: Mapping[str, np.ndarray], *, bfloat16: bool = True
 ) -> tuple[np.ndarray, np.ndarray]:
     """What a primary proposes for many frames, and what it looked at, in one pass.
 
@@ -118,7 +126,7 @@ def propose(
         float32 [N, A]; and float16 [N, F].
     """
     ready = _ready(network, bfloat16)
-    frames = len(seen[network.camera])
+    frames = len(next(iter(seen.values())))
     actions = np.empty((frames, *network.action["shape"]), np.float32)
     looked = np.empty((frames, network.feature_size), np.float16)
     with torch.inference_mode(), computing():
@@ -130,7 +138,7 @@ def propose(
     return actions, looked
 
 
-def _ready(network: ConvNetwork, bfloat16: bool) -> ConvNetwork:
+def _ready(network: Actor, bfloat16: bool) -> Actor:
     """A copy to infer with; converted once here, not at each image as autocast would."""
     ready = copy.deepcopy(network).eval().requires_grad_(False)
     if bfloat16 and has_bfloat16():

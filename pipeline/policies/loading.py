@@ -12,7 +12,7 @@ from safetensors.torch import load_file
 from torch import Tensor, nn
 
 from pipeline.data.lineage import Lineage
-from pipeline.policies.network import ConvNetwork, SafetyNetwork
+from pipeline.policies.network import Actor, ConvNetwork, SafetyNetwork
 from pipeline.registry import PRIMARIES, find
 
 CONFIG_FILE = "config.json"
@@ -57,9 +57,21 @@ class Config:
         return found
 
 
-def load_primary(directory: Path) -> ConvNetwork:
-    """The network of a primary in a policy's directory; ValueError where it is missing or misfits."""
-    config = read_config(directory, *PRIMARIES)
+def load_primary(directory: Path, features_of: str = "") -> Actor:
+    """The primary in a policy's directory: ours, or whatever LeRobot's registry knows.
+
+    Args:
+        directory: with config.json, weights and, of LeRobot's, processors.
+        features_of: of LeRobot's, the module whose input a safety policy reads; see `lerobot`.
+
+    Raises:
+        ValueError: something is missing or misfits.
+    """
+    config = read_config(directory)
+    if config.kind not in PRIMARIES:
+        from pipeline.policies.lerobot import LeRobotActor  # imports LeRobot
+
+        return LeRobotActor.load(directory, features_of)
     network: ConvNetwork = find("policy", config.kind, PRIMARIES).of(config)
     load_weights(network, directory)
     return network
@@ -74,12 +86,12 @@ def load_safety(directory: Path) -> SafetyNetwork:
 
 
 def read_config(directory: Path, *kinds: str) -> Config:
-    """The configuration of the policy in `directory`.
+    """The configuration of the policy in `directory`, of any of `kinds`, or of any at all.
 
     Raises:
         ValueError: there is none, it is not JSON, or of none of these kinds of policy.
     """
-    path, wanted = Path(directory) / CONFIG_FILE, " or ".join(kinds)
+    path, wanted = Path(directory) / CONFIG_FILE, " or ".join(kinds or ("LeRobot",))
     try:
         content = json.loads(path.read_text(encoding="utf-8"))
     except OSError as error:
@@ -87,8 +99,8 @@ def read_config(directory: Path, *kinds: str) -> Config:
     except ValueError as error:
         raise ValueError(f"{path}: not JSON ({error}), expected a saved {wanted} policy") from None
     found = content.get("type") if isinstance(content, dict) else None
-    if found not in kinds:
-        expected = " or ".join(map(repr, kinds))
+    if not isinstance(found, str) or (kinds and found not in kinds):
+        expected = " or ".join(map(repr, kinds)) or "a name"
         raise ValueError(f"{path}: the policy's type is {found!r}, expected {expected}")
     return Config(path, content)
 

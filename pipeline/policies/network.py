@@ -16,7 +16,30 @@ CHANNELS = 64
 """Channels of Conv1 to Conv4 in the paper; Conv5 has twice as many."""
 
 
-class ConvNetwork(nn.Module):
+class Actor(nn.Module):
+    """What a primary is to all that drives it and watches over it, whoever trained it."""
+
+    seen: Mapping[str, Feature]
+    """all columns that it drives by, as LeRobot describes them"""
+    action: Feature
+    """what it does"""
+    feature_size: int
+    """numbers that a safety policy reads of one frame"""
+
+    def look(self, seen: Mapping[str, Tensor]) -> Tensor:
+        """What a safety policy reads, float [B, ...], of columns [B, ...]; images are uint8."""
+        raise NotImplementedError
+
+    def act(self, looked: Tensor) -> Tensor:
+        """Actions float32 [B, A], from the result of `look`."""
+        raise NotImplementedError
+
+    def convolutions(self) -> tuple[nn.Conv2d, ...]:
+        """What may be computed in bfloat16, on processors that can."""
+        return ()
+
+
+class ConvNetwork(Actor):
     """Five convolutions on the image of one camera; a subclass adds what turns them into actions.
 
     Args:
@@ -29,10 +52,6 @@ class ConvNetwork(nn.Module):
 
     camera: str
     """the column that it looks at"""
-    seen: Mapping[str, Feature]
-    """all columns that it drives by, as LeRobot describes them"""
-    action: Feature
-    """what it does"""
 
     def __init__(self, image_shape: tuple[int, int, int], channels: int) -> None:
         super().__init__()
@@ -44,6 +63,7 @@ class ConvNetwork(nn.Module):
         self.conv3 = convolution(channels, channels, 3)
         self.conv4 = convolution(channels, channels, 3)
         self.conv5 = convolution(channels, 2 * channels, 5)
+        self.feature_size = feature_size(image_shape, channels)
 
     def convolutions(self) -> tuple[nn.Conv2d, ...]:
         """Conv1 to Conv5."""
@@ -58,22 +78,13 @@ class ConvNetwork(nn.Module):
             x = F.relu(F.max_pool2d(convolution(x), 2))
         return F.relu(self.conv5(x))
 
-    @property
-    def feature_size(self) -> int:
-        """Numbers that a safety policy reads of one frame."""
-        return feature_size(self.image_shape, self.channels)
-
     def look(self, seen: Mapping[str, Tensor]) -> Tensor:
-        """What a safety policy reads, float [B, ...], of columns [B, ...]; images are uint8."""
+        """Conv5's activations with what else is `seen`, see `join`."""
         return self.join(self.features(to_float(seen[self.camera])).float(), seen)
 
     def join(self, features: Tensor, seen: Mapping[str, Tensor]) -> Tensor:
         """Conv5's activations with what else is `seen`; here nothing."""
         return features
-
-    def act(self, looked: Tensor) -> Tensor:
-        """Actions float32 [B, A], from the result of `look`."""
-        raise NotImplementedError
 
 
 class SafetyNetwork(nn.Module):

@@ -33,6 +33,8 @@ class SafetyConfig(OfflineConfig):
 
     primary_sha256: str = ""
     """Of the weights file of the primary that it watches: it fits no other."""
+    features_of: str = ""
+    """Of a primary of LeRobot's: the module whose input it reads; see `lerobot.LeRobotActor`."""
     features: int = 1
     """>= 1, numbers that it reads of what its primary looked at."""
     hidden: int = 64

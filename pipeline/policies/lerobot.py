@@ -1,0 +1,111 @@
+"""Any policy of LeRobot's as a primary: from its registry, with its processors.
+
+A chunk is asked for anew at each frame, and its first action is what the policy does now. So only
+policies that need no history can drive: ACT can, diffusion cannot. B is the batch.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any, Self
+
+import torch
+from lerobot.configs import PreTrainedConfig
+from lerobot.configs.types import FeatureType
+from lerobot.policies.factory import get_policy_class, make_pre_post_processors
+from lerobot.policies.pretrained import PreTrainedPolicy
+from torch import Tensor, nn
+
+from pipeline.data.schema import Feature, pictures
+from pipeline.policies.network import Actor, to_float
+
+FEATURES_OF = {"act": "model.action_head"}
+"""By LeRobot's type: the module whose input a safety policy reads, if it is not named."""
+
+
+class LeRobotActor(Actor):
+    """A policy, its processors, and the module from which a safety policy learns.
+
+    What a safety policy reads is that module's input for the first action, and the action itself.
+
+    Args:
+        policy: any that needs no history.
+        processors: before and after it.
+        features_of: the name of one of its modules.
+
+    Raises:
+        ValueError: it has no such module.
+    """
+
+    def __init__(
+        self, policy: PreTrainedPolicy, processors: tuple[Any, Any], features_of: str
+    ) -> None:
+        super().__init__()
+        modules = dict(policy.named_modules())
+        if features_of not in modules:
+            raise ValueError(
+                f"features_of is {features_of!r}, expected a module of {policy.name}, such as "
+                f"{', '.join(name for name in list(modules)[1:4])}"
+            )
+        self.policy, self.features_of = policy, features_of
+        self._before, self._after = processors
+        inputs, outputs = policy.config.input_features or {}, policy.config.output_features or {}
+        self.seen = {
+            name: _column(of.type is FeatureType.VISUAL, of.shape) for name, of in inputs.items()
+        }
+        self.action = _column(False, outputs["action"].shape)
+        self._numbers = int(self.action["shape"][0])
+        empty = {n: torch.zeros(1, *of["shape"]) for n, of in self.seen.items()}
+        for name in pictures(self.seen):
+            empty[name] = empty[name].to(torch.uint8)
+        self.feature_size = self.look(empty).shape[1]
+
+    @classmethod
+    def load(cls, directory: Path, features_of: str = "") -> Self:
+        """The policy saved in a directory.
+
+        Raises:
+            ValueError: LeRobot knows no such type, files are missing or do not fit, or nobody says
+                which module a safety policy is to read.
+        """
+        try:
+            config = PreTrainedConfig.from_pretrained(directory)
+            policy = get_policy_class(config.type).from_pretrained(directory, config=config)
+            processors = make_pre_post_processors(config, pretrained_path=str(directory))
+        except Exception as error:  # LeRobot raises many kinds
+            reason = " ".join(f"{type(error).__name__}: {error}".split())
+            raise ValueError(f"{directory}: {reason}, expected a policy of LeRobot's") from None
+        module = features_of or FEATURES_OF.get(config.type)
+        if module is None:
+            raise ValueError(
+                f"{directory}: nobody says which module of a {config.type} a safety policy reads, "
+                "expected --features-of"
+            )
+        return cls(policy.eval(), processors, module)
+
+    @torch.no_grad()
+    def look(self, seen: Mapping[str, Tensor]) -> Tensor:
+        """[B, F + A]: the input of the module for the first action, and that action."""
+        images = pictures(self.seen)
+        batch = {n: to_float(seen[n]) if n in images else seen[n].float() for n in self.seen}
+        read: list[Tensor] = []
+        module: nn.Module = self.policy.get_submodule(self.features_of)
+        hook = module.register_forward_pre_hook(lambda _, given: read.append(given[0]))
+        try:
+            chunk = self.policy.predict_action_chunk(self._before(batch))
+        finally:
+            hook.remove()
+        action = self._after(chunk[:, 0])
+        features = read[-1][:, 0] if read[-1].ndim == 3 else read[-1].flatten(1)
+        return torch.cat([features.float(), action.float().to(features.device)], 1).cpu()
+
+    def act(self, looked: Tensor) -> Tensor:
+        """[B, A], the last of what was looked at."""
+        return looked[:, -self._numbers :]
+
+
+def _column(picture: bool, shape: tuple[int, ...]) -> Feature:
+    """LeRobot has pictures with the channels first."""
+    shape = (*shape[1:], shape[0]) if picture else tuple(shape)
+    return {"dtype": "image" if picture else "float32", "shape": shape, "names": None}

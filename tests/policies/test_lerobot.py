@@ -1,0 +1,149 @@
+"""A policy of LeRobot's as the primary: ACT, small and untrained, in the world of a pendulum."""
+
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+import torch
+from lerobot.configs.types import FeatureType, PolicyFeature
+from lerobot.policies.act.configuration_act import ACTConfig
+from lerobot.policies.act.modeling_act import ACTPolicy
+from lerobot.policies.factory import make_pre_post_processors
+
+from pipeline.data.dataset import Dataset
+from pipeline.policies.inference import Driver
+from pipeline.policies.lerobot import LeRobotActor
+from pipeline.policies.loading import load_primary
+from stages import __main__ as cli
+from tests.stages.test_another_world import FIT, SAFETY, TASK, collect
+
+SHAPES = {"observation.image": (3, 32, 32), "observation.state": (3,), "action": (1,)}
+MEAN, STD = 5.0, 2.0  # of the actions that it is told to have learned
+
+
+@pytest.fixture(scope="module")
+def act(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Saved as LeRobot saves it, with its processors."""
+    path = tmp_path_factory.mktemp("policies") / "act"
+    torch.manual_seed(0)
+    kinds = (FeatureType.VISUAL, FeatureType.STATE, FeatureType.ACTION)
+    features = {
+        name: PolicyFeature(kind, shape)
+        for (name, shape), kind in zip(SHAPES.items(), kinds, strict=True)
+    }
+    config = ACTConfig(
+        input_features={name: features[name] for name in list(SHAPES)[:2]},
+        output_features={"action": features["action"]},
+        chunk_size=5,
+        n_action_steps=5,
+        dim_model=32,
+        n_heads=2,
+        dim_feedforward=64,
+        n_encoder_layers=1,
+        n_decoder_layers=1,
+        use_vae=False,
+        pretrained_backbone_weights=None,
+        device="cpu",
+        push_to_hub=False,
+    )
+    statistics = {
+        name: {"mean": torch.full(shape, MEAN), "std": torch.full(shape, STD)}
+        for name, shape in SHAPES.items()
+    }
+    statistics["observation.image"] = {n: torch.ones(3, 1, 1) for n in ("mean", "std")}
+    ACTPolicy(config).save_pretrained(path)
+    for processor in make_pre_post_processors(config, dataset_stats=statistics):
+        processor.save_pretrained(path)
+    return path
+
+
+def frame() -> dict[str, np.ndarray]:
+    rng = np.random.default_rng(0)
+    return {
+        "observation.image": rng.integers(0, 256, (32, 32, 3), np.uint8),
+        "observation.state": rng.random(3, np.float32),
+    }
+
+
+def test_it_does_what_lerobots_own_code_does(act: Path) -> None:
+    """Normalised before, brought back to the scale of the actions behind."""
+    policy = ACTPolicy.from_pretrained(act).eval()
+    before, after = make_pre_post_processors(policy.config, pretrained_path=str(act))
+    seen = frame()
+    batch = {
+        "observation.image": torch.from_numpy(seen["observation.image"]).permute(2, 0, 1)[None]
+        / 255,
+        "observation.state": torch.from_numpy(seen["observation.state"])[None],
+    }
+    with torch.no_grad():
+        expected = after(policy.select_action(before(batch)))
+    action, looked = Driver.load(act).act(seen)
+    np.testing.assert_allclose(action, expected[0].numpy(), rtol=1e-5)
+    assert looked.shape == (1, 32 + 1)
+    # the features are what the first action is a linear function of
+    head = policy.get_submodule("model.action_head")
+    np.testing.assert_allclose(
+        head(looked[:, :32].clone()).detach().numpy() * STD + MEAN, action[None], rtol=1e-4
+    )
+
+
+def test_each_frame_is_asked_anew(act: Path) -> None:
+    """No queue holds actions from before a takeover."""
+    driver, seen = Driver.load(act), frame()
+    first, _ = driver.act(seen)
+    driver.act({**seen, "observation.state": seen["observation.state"] + 9})
+    again, _ = driver.act(seen)
+    np.testing.assert_array_equal(first, again)
+
+
+def test_a_car_shows_it_no_state(act: Path) -> None:
+    with pytest.raises(
+        ValueError, match=r"^observation\.state is missing, expected float32 \(3,\)$"
+    ):
+        Driver.load(act).act({"observation.image": frame()["observation.image"]})
+
+
+@pytest.mark.parametrize(
+    ("features_of", "problem"), [("model.nothing", "features_of is 'model.nothing', expected a mo")]
+)
+def test_a_module_that_it_has_not_is_named(act: Path, features_of: str, problem: str) -> None:
+    with pytest.raises(ValueError, match=problem):
+        load_primary(act, features_of)
+
+
+def test_another_module_may_be_named(act: Path) -> None:
+    actor = load_primary(act, "model.encoder_robot_state_input_proj")
+    assert isinstance(actor, LeRobotActor) and actor.feature_size == 3 + 1
+
+
+def test_what_lerobot_does_not_know_is_one_line(tmp_path: Path) -> None:
+    (tmp_path / "config.json").write_text('{"type": "nothing"}')
+    with pytest.raises(ValueError, match="expected a policy of LeRobot's") as caught:
+        load_primary(tmp_path)
+    assert "\n" not in str(caught.value)
+
+
+def test_a_safety_policy_watches_it_drive(
+    act: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    for command in (
+        collect("D_0", "D_0", 2),
+        collect("D_safe", "D_safe", 4),
+        ("train-safety", act, "D_safe", "D_0", "safety", *SAFETY, *FIT, "--metrics", "s.json"),
+        (
+            *("rollout", act, "safety", "rollout_1", *TASK, "--queries", "9", "--frames", "20"),
+            *("--iteration", "1", "--workers", "1", "--metrics", "r.json"),
+        ),
+        ("select", "rollout_1", "new_1"),
+        ("merge", "D_0", "new_1", "D_1"),
+    ):
+        monkeypatch.setattr(sys, "argv", ["safedagger", *map(str, command)])
+        with pytest.raises(SystemExit) as exit_:
+            cli.main()
+        assert exit_.value.code == 0, command
+    driven = Dataset.open(Path("rollout_1"))
+    assert np.isfinite(driven.columns(["primary_action"])["primary_action"]).all()
+    assert np.isfinite(driven.column("safe_probability")).all()
+    assert driven.lineage.parents[0].own.purpose == "foreign"
