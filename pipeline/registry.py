@@ -7,7 +7,10 @@ from collections.abc import Mapping
 from importlib import import_module
 from typing import Any
 
-TASKS = {"driving": "pipeline.driving.task:Driving"}
+TASKS = {
+    "driving": "pipeline.driving.task:Driving",
+    "metaworld": "pipeline.tasks.metaworld:MetaWorld",
+}
 """Worlds, see `task.Task`."""
 
 LESSONS = {
@@ -39,9 +42,10 @@ def find(what: str, name: str, known: Mapping[str, str]) -> Any:
     module, _, attribute = known.get(name, name).partition(":")
     try:
         return getattr(import_module(module), attribute)
-    except (ImportError, AttributeError, ValueError):
-        names = ", ".join(known)
-        raise ValueError(f"{what} {name!r}: expected one of {names}, or module:name") from None
+    except (ImportError, AttributeError, ValueError) as error:
+        raise ValueError(
+            f"{what} {name!r}: expected one of {', '.join(known)}, or module:name ({error})"
+        ) from None
 
 
 def find_subclass(what: str, name: str, known: Mapping[str, str], kind: type) -> Any:

@@ -58,6 +58,8 @@ ENVIRONMENT = {
     # PyTorch's threads sleep where they wait for one another: where something else runs on the
     # machine, those that spin take the processor from those they wait for.
     "OMP_WAIT_POLICY": "PASSIVE",
+    # MuJoCo draws without a display; elsewhere than on Linux it always does, and knows no EGL.
+    **({"MUJOCO_GL": "egl"} if sys.platform == "linux" else {}),
 }
 """What the commands set for themselves, unless the user has. Libraries read it when first imported."""
 

@@ -33,7 +33,7 @@ def collect(
     context: typer.Context,
     output: options.Output,
     task: "Task",
-    episodes: Annotated[int, typer.Option(min=1, help="Drives, spread evenly over the tracks.")],
+    episodes: Annotated[int, typer.Option(min=1, help="Drives, spread evenly over the scenarios.")],
     purpose: Annotated[
         Purpose, typer.Option(help="Which random numbers to draw: no two purposes share any.")
     ],

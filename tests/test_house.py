@@ -22,8 +22,9 @@ MAY_IMPORT = {
     "pipeline.data": {"pipeline"},
     "pipeline.policies": {"pipeline", "pipeline.data"},
     "pipeline.driving": {"pipeline", "pipeline.data", "pipeline.policies"},
-    "pipeline.rollout": {"pipeline", "pipeline.data", "pipeline.driving", "pipeline.policies"},
-    "pipeline.learning": {"pipeline", "pipeline.data", "pipeline.driving", "pipeline.policies"},
+    "pipeline.tasks": {"pipeline", "pipeline.data"},
+    "pipeline.rollout": {"pipeline", "pipeline.data", "pipeline.policies"},
+    "pipeline.learning": {"pipeline", "pipeline.data", "pipeline.policies"},
     "pipeline.evaluation": {
         "pipeline",
         "pipeline.data",

@@ -1,0 +1,115 @@
+"""MetaWorld's tasks of a robot arm, through LeRobot. Their reference is MetaWorld's own scripted one."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Annotated, ClassVar
+
+import numpy as np
+
+from pipeline.data.schema import Feature, core_features
+from pipeline.task import Setting, Task
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from pipeline.environment import Environment
+
+SIZE = 84
+"""Of the picture [pixels]."""
+LONGEST = 500
+"""Actions after which MetaWorld itself goes no further."""
+_OBJECT = ("x", "y", "z", "q1", "q2", "q3", "q4")
+
+
+@dataclass(frozen=True, kw_only=True)
+class MetaWorld(Task):
+    """What the arm is to do, from where, and for how long.
+
+    Raises:
+        ValueError: MetaWorld has no such task, or a number is out of its range.
+        OSError: MetaWorld is not installed, or finds nothing to draw with.
+    """
+
+    name: ClassVar[str] = "metaworld"
+    robot: ClassVar[str] = "sawyer"
+    features: ClassVar[Mapping[str, Feature]] = {
+        "observation.image": {
+            "dtype": "image",
+            "shape": (SIZE, SIZE, 3),
+            "names": ["height", "width", "channel"],
+        },
+        "observation.state": {
+            "dtype": "float32",
+            "shape": (4,),
+            "names": ["x", "y", "z", "gripper"],
+        },
+        **core_features(
+            {"dtype": "float32", "shape": (4,), "names": ["x", "y", "z", "gripper"]},
+        ),
+        # two objects at most, 0 where there is none, and where to bring them
+        "object_state": {
+            "dtype": "float32",
+            "shape": (17,),
+            "names": [f"{part}_{n}" for n in (1, 2) for part in _OBJECT]
+            + ["goal_x", "goal_y", "goal_z"],
+        },
+    }
+
+    tasks: Annotated[
+        str, Setting("MetaWorld's tasks, separated by commas, such as button-press-topdown-v3.")
+    ]
+    perturb: Annotated[
+        int, Setting("Random actions before the first frame, so that starts spread.", 0)
+    ] = 0
+    steps: Annotated[int, Setting("Most frames (1/80 s) of a drive.", 1)] = 150
+
+    def __post_init__(self) -> None:
+        known = _descriptions()
+        for task in self.scenarios:
+            if task not in known:
+                raise ValueError(
+                    f"MetaWorld has no task {task!r}, expected one of {', '.join(known)}"
+                )
+        if self.perturb < 0 or self.steps < 1 or self.perturb + self.steps > LONGEST:
+            raise ValueError(
+                f"perturb is {self.perturb} and steps is {self.steps}, expected at least 0 and 1, "
+                f"and at most {LONGEST} together"
+            )
+
+    @property
+    def fps(self) -> int:
+        """Frames per second."""
+        return 80
+
+    @property
+    def scenarios(self) -> list[str]:
+        """MetaWorld's tasks."""
+        return [task.strip() for task in self.tasks.split(",")]
+
+    def describe(self, scenario: str) -> str:
+        """What LeRobot says to a policy that reads, such as "Press a button from the top"."""
+        return _descriptions()[scenario]
+
+    def environment(self, scenario: str) -> Environment:
+        """The task, with its objects elsewhere at each `reset`."""
+        from pipeline.tasks.metaworld_environment import MetaWorldEnv
+
+        return MetaWorldEnv(scenario, perturb=self.perturb, steps=self.steps)
+
+    def deviation(self, proposed: NDArray, reference: NDArray) -> NDArray[np.float64]:
+        """The mean of the squared differences of the four numbers, in [0, 4]."""
+        return np.square(proposed.astype(np.float64) - reference).mean(axis=1)
+
+
+def _descriptions() -> dict[str, str]:
+    """Of MetaWorld's tasks, by name. The import takes seconds, for which `--help` need not wait."""
+    try:
+        from lerobot.envs.metaworld import TASK_DESCRIPTIONS
+    except (ImportError, AttributeError) as error:  # the latter where MuJoCo finds no EGL
+        raise OSError(
+            f"MetaWorld cannot be loaded ({error}): it needs pip install 'safedagger[metaworld]', "
+            "and on Debian apt-get install libegl1 libgl1-mesa-dri libopengl0"
+        ) from None
+    return TASK_DESCRIPTIONS

@@ -1,0 +1,39 @@
+import os
+import subprocess
+import sys
+from collections.abc import Callable
+
+import pytest
+
+from stages import __main__ as cli
+
+Command = Callable[..., tuple[int, str, str]]
+
+DRAW = 'import mujoco; mujoco.Renderer(mujoco.MjModel.from_xml_string("<mujoco/>")).close()'
+
+
+@pytest.fixture(scope="session", autouse=True)
+def drawing() -> None:
+    """Nothing here works where nothing can be drawn; CI must be able to. In a process of its own,
+    for what MuJoCo leaves behind when it fails.
+    """
+    tried = subprocess.run(
+        [sys.executable, "-c", DRAW], capture_output=True, text=True, check=False
+    )
+    if tried.returncode:
+        give_up = pytest.fail if "CI" in os.environ else pytest.skip
+        give_up(f"MuJoCo cannot draw here: {tried.stderr.splitlines()[-1]}")
+
+
+@pytest.fixture
+def safedagger(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> Command:
+    """Runs a command in this process; gives its exit code, stdout and stderr."""
+
+    def run(*arguments: object) -> tuple[int, str, str]:
+        monkeypatch.setattr(sys, "argv", ["safedagger", *map(str, arguments)])
+        with pytest.raises(SystemExit) as exit_:
+            cli.main()
+        assert isinstance(exit_.value.code, int)
+        return exit_.value.code, *capsys.readouterr()
+
+    return run
