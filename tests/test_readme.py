@@ -1,5 +1,6 @@
 """What the README tells its readers to type."""
 
+import re
 import shlex
 import sys
 from pathlib import Path
@@ -15,28 +16,46 @@ STAGES = [path for path in ROOT.glob("stages/*.py") if "@app.command" in path.re
 OF_A_RUN = {"report", "errors", "inspect", "compare", "compare-policies", "watch"}
 
 
-def commands(heading: str) -> list[list[str]]:
-    """The `safedagger` commands in the indented blocks under a heading."""
-    section = README.split(f"## {heading}\n")[1].split("\n## ")[0]
+def commands(
+    page: str, heading: str, programs: tuple[str, ...] = ("safedagger",)
+) -> list[list[str]]:
+    """The calls of some programs in the indented blocks under a heading."""
+    section = page.split(f"## {heading}\n")[1].split("\n## ")[0]
     code = "\n".join(line[4:] for line in section.splitlines() if line.startswith("    "))
-    lines = code.replace("\\\n", " ").splitlines()
-    return [shlex.split(line) for line in lines if line.startswith("safedagger ")]
+    calls = [shlex.split(line) for line in code.replace("\\\n", " ").splitlines()]
+    return [call for call in calls if call and call[0] in programs]
 
 
-def test_one_iteration_by_hand(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    """Every command as printed, in this process: LeRobot takes long to import."""
+@pytest.fixture(scope="module")
+def by_hand(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Where every command was typed as printed; in this process: LeRobot takes long to import."""
+    root = tmp_path_factory.mktemp("by_hand")
+    with pytest.MonkeyPatch.context() as patch:
+        patch.chdir(root)
+        for command in commands(README, "One stage by hand"):
+            patch.setattr(sys, "argv", command)
+            with pytest.raises(SystemExit) as exit_:
+                cli.main()
+            assert exit_.value.code == 0, command
+    return root
+
+
+def test_one_iteration_by_hand(by_hand: Path) -> None:
     from pipeline.data.dataset import Dataset
 
-    monkeypatch.chdir(tmp_path)
-    typed = commands("One stage by hand")
-    for command in typed:
-        monkeypatch.setattr(sys, "argv", command)
-        with pytest.raises(SystemExit) as exit_:
-            cli.main()
-        assert exit_.value.code == 0, (command, capsys.readouterr().err)
     of_an_iteration = {path.stem.replace("_", "-") for path in STAGES} - OF_A_RUN
+    typed = commands(README, "One stage by hand")
     assert {command[1] for command in typed} == of_an_iteration
     for name in ("new_1", "new_dagger_1"):
-        assert len(Dataset.open(Path("mine", name))) == 50
+        assert len(Dataset.open(by_hand / "mine" / name)) == 50
+
+
+def test_a_rule_of_ones_own_drives_as_the_page_shows(
+    by_hand: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    page = (ROOT / "docs/extending.md").read_text()
+    monkeypatch.chdir(by_hand)
+    exec("\n".join(re.findall(r"```python\n(.*?)```", page, re.DOTALL)), {"__name__": "page"})
+    told = [line.split() for line in capsys.readouterr().out.splitlines()]
+    queries, frames = (sum(int(line[n]) for line in told) for n in (0, 3))
+    assert (queries, frames) == (50, 100)

@@ -13,7 +13,7 @@ import numpy as np
 import torch
 from torch import Tensor
 
-from pipeline.data.schema import column_dtype
+from pipeline.data.schema import Feature, check_features, column_dtype
 from pipeline.policies.computing import computing
 from pipeline.policies.loading import (
     SAFETY_TYPE,
@@ -71,6 +71,18 @@ class Driver:
             return cls(load_primary(primary), bfloat16=bfloat16)
         watched = load_primary(primary, read_config(safety, SAFETY_TYPE).text("features_of"))
         return cls(watched, load_safety(safety), bfloat16=bfloat16)
+
+    def check_task(self, name: str, features: Mapping[str, Feature]) -> None:
+        """Check that a task with these columns shows what the primary sees, and does what it does.
+
+        Raises:
+            ValueError: names the first column that does not fit, and both sides.
+        """
+        wanted = {**self.primary.seen, "action": self.primary.action}
+        try:
+            check_features(_in_memory(features), _in_memory(wanted))
+        except ValueError as error:
+            raise ValueError(f"task {name}: {error} by the primary") from None
 
     def propose(self, seen: Mapping[str, np.ndarray]) -> tuple[np.ndarray, dict[str, float]]:
         """The primary's action for an observation by column, and what the policies say beside it.
@@ -136,6 +148,14 @@ def propose(
             actions[rows] = ready.act(features).numpy()
             looked[rows] = features.flatten(1).half().numpy()
     return actions, looked
+
+
+def _in_memory(features: Mapping[str, Feature]) -> dict[str, Feature]:
+    """Without what makes no difference to who drives: how pictures are stored, and names."""
+    return {
+        name: {"dtype": str(column_dtype(of)), "shape": tuple(of["shape"]), "names": None}
+        for name, of in features.items()
+    }
 
 
 def _ready(network: Actor, bfloat16: bool) -> Actor:

@@ -7,6 +7,7 @@ policies that need no history can drive: ACT can, diffusion cannot. B is the bat
 from __future__ import annotations
 
 from collections.abc import Mapping
+from contextlib import redirect_stdout
 from pathlib import Path
 from typing import Any, Self
 
@@ -71,7 +72,8 @@ class LeRobotActor(Actor):
         """
         try:
             config = PreTrainedConfig.from_pretrained(directory)
-            policy = get_policy_class(config.type).from_pretrained(directory, config=config)
+            with redirect_stdout(None):  # it prints that it loads
+                policy = get_policy_class(config.type).from_pretrained(directory, config=config)
             processors = make_pre_post_processors(config, pretrained_path=str(directory))
         except Exception as error:  # LeRobot raises many kinds
             reason = " ".join(f"{type(error).__name__}: {error}".split())

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Generator, Iterable, Iterator
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -78,11 +78,17 @@ def record_all(
     iteration: int,
     workers: int,
     measure: bool = True,
-) -> Iterator[Recording]:
+) -> Generator[Recording]:
     """Record one drive after the other, around the scenarios of a task, in the order of `numbers`.
 
-    Drive n is in scenario n modulo their number, with n appended to the seed.
+    Drive n is in scenario n modulo their number, with n appended to the seed. Whoever has enough
+    closes it: drives have been begun that nobody will see.
+
+    Raises:
+        ValueError: the task does not show what the primary sees; before anything is driven.
     """
+    if driver is not None:
+        driver.check_task(task.name, task.features)
     names = task.scenarios
     jobs = (
         (Plan(task, names[n % len(names)], rule, (*seed, n)), driver, iteration, n, measure)

@@ -1,7 +1,7 @@
 """Drives in several processes."""
 
 import warnings
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Generator, Iterable
 
 import torch
 from joblib import Parallel, delayed
@@ -10,7 +10,7 @@ from joblib.externals.loky.process_executor import TerminatedWorkerError
 
 def in_order[Result](
     job: Callable[..., Result], arguments: Iterable[tuple], workers: int
-) -> Iterator[Result]:
+) -> Generator[Result]:
     """Run `job(*arguments)` in `workers` processes; the results come in the order of the arguments,
     as they are ready.
 

@@ -12,10 +12,14 @@ from lerobot.policies.act.modeling_act import ACTPolicy
 from lerobot.policies.factory import make_pre_post_processors
 
 from pipeline.data.dataset import Dataset
+from pipeline.driving.task import Driving
 from pipeline.policies.inference import Driver
 from pipeline.policies.lerobot import LeRobotActor
 from pipeline.policies.loading import load_primary
+from pipeline.rollout.recording import record_all
+from pipeline.rollout.rules.naive import Naive
 from stages import __main__ as cli
+from tests.stages.pendulum import Pendulum
 from tests.stages.test_another_world import FIT, SAFETY, TASK, collect
 
 SHAPES = {"observation.image": (3, 32, 32), "observation.state": (3,), "action": (1,)}
@@ -95,6 +99,27 @@ def test_each_frame_is_asked_anew(act: Path) -> None:
     driver.act({**seen, "observation.state": seen["observation.state"] + 9})
     again, _ = driver.act(seen)
     np.testing.assert_array_equal(first, again)
+
+
+def test_a_task_that_does_not_show_what_it_sees_is_refused_before_a_drive(act: Path) -> None:
+    car = Driving(tracks="willow", traffic=0, seconds=1, record_every=3)
+    problem = (
+        r"^task driving: column 'observation\.image' is missing, expected uint8 \[32, 32, 3\] by"
+    )
+    with pytest.raises(ValueError, match=problem):
+        record_all(car, Naive(), Driver.load(act), [0], seed=(0,), iteration=1, workers=1)
+
+
+@pytest.mark.parametrize("name", ["observation.state", "action"])
+def test_so_is_one_of_other_shapes(act: Path, name: str) -> None:
+    features = dict(Pendulum.features)
+    driver = Driver.load(act)
+    driver.check_task("pendulum", features)
+    features[name] = {"dtype": "float32", "shape": (9,), "names": None}
+    with pytest.raises(
+        ValueError, match=rf"task pendulum: column '{name}' is float32 \[9\], expect"
+    ):
+        driver.check_task("pendulum", features)
 
 
 def test_a_car_shows_it_no_state(act: Path) -> None:

@@ -106,3 +106,18 @@ def test_a_primary_is_evaluated_by_the_strategies_of_the_paper_and_the_optimal_o
     assert [parse_driving(name) for name in ("naive", "safe", "optimal")] == list(DRIVING)
     with pytest.raises(ValueError, match="'mixture': expected one of naive, safe, optimal"):
         parse_driving("mixture")
+
+
+@pytest.mark.parametrize(
+    ("numbers", "problem"),
+    [
+        ((True, Asked.NOT, 1.0), "asked is NOT where the reference drives"),
+        ((False, Asked.AUDIT, 1.5), "ask_probability is 1.5, expected a number from 0 to 1"),
+        ((False, Asked.NOT, math.nan), "ask_probability is nan"),
+    ],
+)
+def test_a_decision_that_contradicts_itself_is_refused(
+    numbers: tuple[bool, Asked, float], problem: str
+) -> None:
+    with pytest.raises(ValueError, match=problem):
+        Decision(*numbers)

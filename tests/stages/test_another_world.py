@@ -188,7 +188,7 @@ def test_the_second_primary_began_with_the_first(house: Path) -> None:
                 "--workers",
                 "1",
             ),
-            "observation.image is missing, expected uint8 (32, 32, 3)",
+            "task driving: column 'observation.image' is missing, expected uint8 [32, 32, 3] by the primary",
         ),
         (("compare", "rollout_1", "rollout_1"), "'observation.images.front' is missing"),
     ],

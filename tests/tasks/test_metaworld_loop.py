@@ -1,32 +1,56 @@
-"""Algorithm 1 with a robot arm, by the commands that the README tells its readers to type."""
+"""Algorithm 1 with a robot arm, by the commands that README and docs tell their readers to type."""
 
 import json
+import subprocess
+import sys
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 from pipeline.data.dataset import Dataset
-from tests.tasks.conftest import Command
-from tests.test_readme import commands
+from pipeline.policies.loading import policy_lineage
+from stages import __main__ as cli
+from tests.test_readme import README, ROOT, commands
+
+LOOP = commands(README, "Another robot, another policy")
+ACT = commands(
+    (ROOT / "docs/extending.md").read_text(),
+    "A primary to train, or one that LeRobot has trained",
+    ("safedagger", "lerobot-train"),
+)
 
 
-def test_it_is_collected_learned_driven_selected_merged_and_learned_again(
-    safedagger: Command, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.chdir(tmp_path)
-    typed = commands("Another robot, another policy")
-    for _, *arguments in typed:
-        code, _, error = safedagger(*arguments)
-        assert code == 0, (arguments, error)
-    assert [command[1] for command in typed][-5:-2] == ["select", "merge", "ledger"]
+def run(command: list[str]) -> None:
+    """In this process, if it is ours: LeRobot takes long to import."""
+    if command[0] != "safedagger":
+        script = Path(sys.executable).parent / command[0]
+        subprocess.run([script, *command[1:]], check=True, capture_output=True)
+        return
+    with pytest.MonkeyPatch.context() as patch, pytest.raises(SystemExit) as exit_:
+        patch.setattr(sys, "argv", command)
+        cli.main()
+    assert exit_.value.code == 0, command
 
+
+@pytest.fixture(scope="module")
+def arm(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Where all of them have run."""
+    root = tmp_path_factory.mktemp("world")
+    with pytest.MonkeyPatch.context() as patch:
+        patch.chdir(root)
+        for command in (*LOOP, *ACT):
+            run(command)
+    return root / "arm"
+
+
+def test_it_is_driven_selected_merged_and_counted(arm: Path) -> None:
     before, driven, new, after = (
-        Dataset.open(Path("arm", name)) for name in ("D_0", "rollout_1", "new_1", "D_1")
+        Dataset.open(arm / name) for name in ("D_0", "rollout_1", "new_1", "D_1")
     )
     asked = driven.column("queried")
     assert 0 < asked.sum() == len(new) == len(after) - len(before)
-    ledger = json.loads(Path("arm/ledger_1.json").read_text())
+    ledger = json.loads((arm / "ledger_1.json").read_text())
     assert (ledger["queries"], ledger["frames_trained"]) == (asked.sum(), len(after))
     actions = driven.columns(["action", "primary_action"])
     apart = actions["action"] - actions["primary_action"]
@@ -37,3 +61,18 @@ def test_it_is_collected_learned_driven_selected_merged_and_learned_again(
     safe = driven.column("safe_probability") >= 0.5
     assert 0 < safe.sum() < len(safe)
     np.testing.assert_array_equal(asked, ~safe)
+
+
+def test_the_second_primary_comes_from_the_first_and_from_what_was_asked(arm: Path) -> None:
+    first, second = (policy_lineage(arm / name) for name in ("primary_0", "primary_1"))
+    d_1 = Dataset.open(arm / "D_1").lineage
+    assert {each.sha256 for each in second.parents} == {first.sha256, d_1.sha256}
+
+
+def test_act_trained_by_lerobot_is_driven_and_watched(arm: Path) -> None:
+    driven = Dataset.open(arm / "rollout_act")
+    columns = driven.columns(["primary_action", "safe_probability"])
+    assert all(np.isfinite(values).all() for values in columns.values())
+    assert np.ptp(columns["primary_action"], axis=0).max() > 0
+    unsafe = columns["safe_probability"].ravel() < 0.5
+    np.testing.assert_array_equal(driven.column("queried"), unsafe)

@@ -11,6 +11,12 @@ from numpy.typing import NDArray
 from pipeline.data.schema import Asked
 
 
+def check_number(name: str, value: float, highest: float = np.inf) -> None:
+    """Raise a ValueError unless `value` is from 0 to `highest`."""
+    if not 0 <= value <= highest:
+        raise ValueError(f"{name} is {value}, expected a number from 0 to {highest:g}")
+
+
 @dataclass(frozen=True)
 class Signals:
     """What is known when a frame is to be driven."""
@@ -25,13 +31,22 @@ class Signals:
 
 @dataclass(frozen=True)
 class Decision:
-    """Who drives a frame, and whether it costs a query."""
+    """Who drives a frame, and whether it costs a query.
+
+    Raises:
+        ValueError: the reference is to drive unasked, or the probability is none.
+    """
 
     reference_drives: bool
     asked: Asked
     """why the reference is asked, `Asked.NOT` if it is not; it drives only where it is asked"""
     ask_probability: float
     """[0, 1], with which it was to be asked here: 1 or 0 unless that was left to chance"""
+
+    def __post_init__(self) -> None:
+        if self.reference_drives and self.asked is Asked.NOT:
+            raise ValueError("asked is NOT where the reference drives, expected a reason")
+        check_number("ask_probability", self.ask_probability, 1.0)
 
 
 DROVE = Decision(True, Asked.DROVE, 1.0)
@@ -52,9 +67,3 @@ class Rule(ABC):
     @abstractmethod
     def decide(self, signals: Signals) -> Decision:
         """Who drives the next frame, and who is asked."""
-
-
-def check_number(name: str, value: float, highest: float = np.inf) -> None:
-    """Raise a ValueError unless `value` is from 0 to `highest`."""
-    if not 0 <= value <= highest:
-        raise ValueError(f"{name} is {value}, expected a number from 0 to {highest:g}")
