@@ -3,16 +3,15 @@
 And what the supervised strategy trains on in later iterations (Sec. 4.4).
 """
 
-from collections.abc import Iterator
 from enum import StrEnum
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from stages import options
+from stages.recording import keep
 
 if TYPE_CHECKING:
-    from pipeline.data.schema import Episode
     from pipeline.task import Task
 
 app = typer.Typer()
@@ -46,7 +45,6 @@ def collect(
     Also what supervised learning trains on in later iterations.
     """
     from pipeline.data.lineage import Recipe
-    from pipeline.data.writing import write_dataset
     from pipeline.output import check_place
     from pipeline.rollout.plans import SEED_STREAMS
     from pipeline.rollout.recording import record_all
@@ -64,11 +62,7 @@ def collect(
         measure=False,
     )
 
-    def driven() -> Iterator["Episode"]:
-        with options.progress("collecting", episodes) as advance_to:
-            for done, recording in enumerate(drives, 1):
-                yield recording.episode
-                advance_to(done)
-
     recipe = Recipe(purpose.value, options.arguments(context))
-    typer.echo(write_dataset(output, driven(), recipe, fps=task.fps, robot=task.robot))
+    typer.echo(
+        keep(drives, output, recipe, task, what="collecting", total=episodes, count=lambda drive: 1)
+    )

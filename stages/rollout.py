@@ -7,9 +7,10 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from stages import options
+from stages.recording import keep
 
 if TYPE_CHECKING:
-    from pipeline.data.schema import Episode
+    from pipeline.rollout.recording import Recording
     from pipeline.task import Task
 
 app = typer.Typer()
@@ -39,7 +40,6 @@ def rollout(
     import numpy as np
 
     from pipeline.data.lineage import Recipe
-    from pipeline.data.writing import write_dataset
     from pipeline.evaluation.writing import write_metrics
     from pipeline.learning.labels import LabelRule
     from pipeline.learning.quality import detection_quality
@@ -67,28 +67,32 @@ def rollout(
     probabilities: list[np.ndarray] = []
     deviations: list[np.ndarray] = []
 
-    def driven() -> Iterator["Episode"]:
-        asked = 0
-        with options.progress("queries", queries) as advance_to:
-            for recording in until_queries(drives, queries, frames):
-                yield recording.episode
-                columns = recording.episode.columns
-                probabilities.append(columns["safe_probability"][:, 0])
-                deviations.append(
-                    held_against.deviation(
-                        columns["primary_action"],
-                        recording.reference_actions,
-                        columns["source.episode"][:, 0],
-                        task.fps,
-                    )
+    def judged() -> Iterator["Recording"]:
+        for recording in until_queries(drives, queries, frames):
+            columns = recording.episode.columns
+            probabilities.append(columns["safe_probability"][:, 0])
+            deviations.append(
+                held_against.deviation(
+                    columns["primary_action"],
+                    recording.reference_actions,
+                    columns["source.episode"][:, 0],
+                    task.fps,
                 )
-                asked += recording.queries
-                advance_to(asked)
+            )
+            yield recording
 
     # the labels too: whoever looks at the rollout later has no safety policy at hand
     arguments = options.arguments(context) | {"cut": judgement.cut, "labels": labels}
     recipe = Recipe("rollout", arguments, [policy_lineage(primary), policy_lineage(safety)])
-    summary = write_dataset(output, driven(), recipe, fps=task.fps, robot=task.robot)
+    summary = keep(
+        judged(),
+        output,
+        recipe,
+        task,
+        what="queries",
+        total=queries,
+        count=lambda drive: drive.queries,
+    )
     tau = labels["tau"]
     quality = detection_quality(
         np.concatenate(probabilities), np.concatenate(deviations), tau, judgement.cut

@@ -1,15 +1,14 @@
 """DAgger's line 6 (Sec. 2.6): collect D' with a mixture of reference and primary, all labelled."""
 
-from collections.abc import Iterator
 from itertools import count
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from stages import options
+from stages.recording import keep
 
 if TYPE_CHECKING:
-    from pipeline.data.schema import Episode
     from pipeline.task import Task
 
 app = typer.Typer()
@@ -32,7 +31,6 @@ def rollout_dagger(
 ) -> None:
     """Drive with DAgger's mixture, all labelled (Section 2.6)."""
     from pipeline.data.lineage import Recipe
-    from pipeline.data.writing import write_dataset
     from pipeline.output import check_place
     from pipeline.policies.inference import Driver
     from pipeline.policies.loading import policy_lineage
@@ -52,13 +50,16 @@ def rollout_dagger(
         measure=False,
     )
 
-    def driven() -> Iterator["Episode"]:
-        asked = 0
-        with options.progress("frames", frames) as advance_to:
-            for recording in until_queries(drives, frames, frames):
-                yield recording.episode
-                asked += recording.queries
-                advance_to(asked)
-
     recipe = Recipe("rollout-dagger", options.arguments(context), [policy_lineage(primary)])
-    typer.echo(write_dataset(output, driven(), recipe, fps=task.fps, robot=task.robot))
+    driven = until_queries(drives, frames, frames)
+    typer.echo(
+        keep(
+            driven,
+            output,
+            recipe,
+            task,
+            what="frames",
+            total=frames,
+            count=lambda drive: drive.queries,
+        )
+    )
