@@ -18,10 +18,10 @@ SCALE = experiment
 experiment: .venv/.ready
 	@scales/run '$(SCALE)' '$(SEED)'
 
-test: .venv/.ready
+test: .venv/.metaworld
 	pytest
 
-lint: .venv/.ready
+lint: .venv/.metaworld
 	ruff format --check .
 	ruff check .
 	mypy
@@ -30,6 +30,11 @@ lint: .venv/.ready
 	@echo "Installing into .venv: about a minute, and 6 GB"
 	@uv pip install --quiet --python .venv/bin/python --compile-bytecode $(WHEELS) -r requirements.lock
 	@uv pip install --quiet --python .venv/bin/python --no-deps --editable .
+	@touch $@
+
+# What only tests need, and whoever drives the robot arm.
+.venv/.metaworld: requirements-metaworld.lock .venv/.ready
+	@uv pip install --quiet --python .venv/bin/python --compile-bytecode $(WHEELS) -r $<
 	@touch $@
 
 # Any python that really is a 3.12: a pyenv shim may be on the path and yet fail.
