@@ -6,7 +6,7 @@ In the shapes, B is the batch, S the numbers of the state and A of the action.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Annotated, ClassVar, Self
 
@@ -16,7 +16,7 @@ from torch import Tensor, nn
 
 from pipeline.data.schema import Feature, pictures
 from pipeline.policies.lesson import Lesson
-from pipeline.policies.loading import Config
+from pipeline.policies.loading import Config, feature
 from pipeline.policies.network import ConvNetwork, initialise, linear
 from pipeline.task import Setting
 
@@ -105,14 +105,6 @@ class ConvActor(ConvNetwork):
     def act(self, looked: Tensor) -> Tensor:
         """[B, A], within no limits but what it learned."""
         return self.layers(looked) * self.action_std + self.action_mean
-
-
-def feature(kind: str, shape: Iterable[int]) -> Feature:
-    """A column as a policy's configuration has it: pictures with the channels first, and no names."""
-    first, *others = shape
-    if kind == "VISUAL":
-        return {"dtype": "image", "shape": (*others, first), "names": None}
-    return {"dtype": "float32", "shape": (first, *others), "names": None}
 
 
 @dataclass(frozen=True, kw_only=True)

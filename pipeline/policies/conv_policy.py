@@ -11,8 +11,8 @@ from lerobot.processor.factory import make_default_pre_post_processors
 from lerobot.utils.constants import ACTION
 from torch import Tensor
 
-from pipeline.policies.conv import ConvActor, feature
-from pipeline.policies.loading import CONV_TYPE
+from pipeline.policies.conv import ConvActor
+from pipeline.policies.loading import CONV_TYPE, feature
 from pipeline.policies.offline import OfflineConfig, OfflinePolicy, Processors
 
 

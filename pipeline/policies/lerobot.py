@@ -13,12 +13,12 @@ from typing import Any, Self
 
 import torch
 from lerobot.configs import PreTrainedConfig
-from lerobot.configs.types import FeatureType
 from lerobot.policies.factory import get_policy_class, make_pre_post_processors
 from lerobot.policies.pretrained import PreTrainedPolicy
 from torch import Tensor, nn
 
-from pipeline.data.schema import Feature, pictures
+from pipeline.data.schema import pictures
+from pipeline.policies.loading import feature
 from pipeline.policies.network import Actor, to_float
 
 FEATURES_OF = {"act": "model.action_head"}
@@ -52,10 +52,8 @@ class LeRobotActor(Actor):
         self.policy, self.features_of = policy, features_of
         self._before, self._after = processors
         inputs, outputs = policy.config.input_features or {}, policy.config.output_features or {}
-        self.seen = {
-            name: _column(of.type is FeatureType.VISUAL, of.shape) for name, of in inputs.items()
-        }
-        self.action = _column(False, outputs["action"].shape)
+        self.seen = {name: feature(of.type.name, of.shape) for name, of in inputs.items()}
+        self.action = feature("ACTION", outputs["action"].shape)
         self._numbers = int(self.action["shape"][0])
         empty = {n: torch.zeros(1, *of["shape"]) for n, of in self.seen.items()}
         for name in pictures(self.seen):
@@ -105,9 +103,3 @@ class LeRobotActor(Actor):
     def act(self, looked: Tensor) -> Tensor:
         """[B, A], the last of what was looked at."""
         return looked[:, -self._numbers :]
-
-
-def _column(picture: bool, shape: tuple[int, ...]) -> Feature:
-    """LeRobot has pictures with the channels first."""
-    shape = (*shape[1:], shape[0]) if picture else tuple(shape)
-    return {"dtype": "image" if picture else "float32", "shape": shape, "names": None}

@@ -2,6 +2,7 @@
 
 import hashlib
 import json
+from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
 from types import UnionType
@@ -12,6 +13,7 @@ from safetensors.torch import load_file
 from torch import Tensor, nn
 
 from pipeline.data.lineage import Lineage
+from pipeline.data.schema import Feature
 from pipeline.policies.network import Actor, ConvNetwork, SafetyNetwork
 from pipeline.registry import PRIMARIES, find
 
@@ -177,3 +179,11 @@ def _weights(directory: Path) -> Path:
 
 def _describe(weights: Tensor | None) -> str:
     return "none" if weights is None else f"{weights.dtype} {list(weights.shape)}"
+
+
+def feature(kind: str, shape: Iterable[int]) -> Feature:
+    """A column as a policy's configuration has it: pictures with the channels first, and no names."""
+    first, *others = shape
+    if kind == "VISUAL":
+        return {"dtype": "image", "shape": (*others, first), "names": None}
+    return {"dtype": "float32", "shape": (first, *others), "names": None}

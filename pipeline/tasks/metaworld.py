@@ -6,14 +6,10 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Annotated, ClassVar
 
-import numpy as np
-
 from pipeline.data.schema import Feature, core_features
 from pipeline.task import Setting, Task
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
     from pipeline.environment import Environment
 
 SIZE = 84
@@ -97,10 +93,6 @@ class MetaWorld(Task):
         from pipeline.tasks.metaworld_environment import MetaWorldEnv
 
         return MetaWorldEnv(scenario, perturb=self.perturb, steps=self.steps)
-
-    def deviation(self, proposed: NDArray, reference: NDArray) -> NDArray[np.float64]:
-        """The mean of the squared differences of the four numbers, in [0, 4]."""
-        return np.square(proposed.astype(np.float64) - reference).mean(axis=1)
 
 
 def _descriptions() -> dict[str, str]:

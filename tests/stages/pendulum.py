@@ -9,7 +9,6 @@ from typing import Annotated, Any, ClassVar
 import cv2
 import numpy as np
 from gymnasium.spaces import Box, Dict
-from numpy.typing import NDArray
 
 from pipeline.data.schema import Feature, core_features
 from pipeline.environment import Action, Environment, Observation
@@ -105,6 +104,3 @@ class Pendulum(Task):
 
     def environment(self, scenario: str) -> Environment:
         return PendulumEnv(self.length, upright=scenario == "hold up")
-
-    def deviation(self, proposed: NDArray, reference: NDArray) -> NDArray[np.float64]:
-        return np.square(proposed.astype(float) - reference).mean(axis=1)
