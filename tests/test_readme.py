@@ -2,12 +2,11 @@
 
 import re
 import shlex
-import sys
 from pathlib import Path
 
 import pytest
 
-from stages import __main__ as cli
+from tests.command import run
 
 ROOT = Path(__file__).parent.parent
 README = (ROOT / "README.md").read_text()
@@ -28,15 +27,12 @@ def commands(
 
 @pytest.fixture(scope="module")
 def by_hand(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Where every command was typed as printed; in this process: LeRobot takes long to import."""
+    """Where every command was typed as printed."""
     root = tmp_path_factory.mktemp("by_hand")
     with pytest.MonkeyPatch.context() as patch:
         patch.chdir(root)
         for command in commands(README, "One stage by hand"):
-            patch.setattr(sys, "argv", command)
-            with pytest.raises(SystemExit) as exit_:
-                cli.main()
-            assert exit_.value.code == 0, command
+            assert run(*command[1:]) == 0, command
     return root
 
 

@@ -1,6 +1,5 @@
 """A dataset of another robot, by the command that shows it, read back from the file."""
 
-import sys
 from pathlib import Path
 
 import numpy as np
@@ -9,19 +8,16 @@ from rerun.experimental import RrdReader
 
 from pipeline.data.dataset import Dataset
 from pipeline.inspection.rerun_plain import action_names
-from stages import __main__ as cli
+from tests.command import run
 from tests.foreign import CAMERAS, DROVE, JOINTS, LENGTHS, foreign
 from tests.inspection.saved import column, origins, recordings
 
 
 @pytest.mark.parametrize("videos", [False, True], ids=["images", "videos"])
-def test_an_arm_is_shown(videos: bool, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_an_arm_is_shown(videos: bool, tmp_path: Path) -> None:
     arm = foreign(tmp_path / "arm", videos=videos)
     path = tmp_path / "arm.rrd"
-    monkeypatch.setattr(sys, "argv", ["safedagger", "inspect", str(arm.path), "--save", str(path)])
-    with pytest.raises(SystemExit) as exit_:
-        cli.main()
-    assert exit_.value.code == 0
+    assert run("inspect", arm.path, "--save", path) == 0
     entries = recordings(path)
     assert [entry.recording_id for entry in entries] == ["arm/episode_0000", "arm/episode_0001"]
     drove = column(path, entries[0], "/who/drove", "state")
@@ -52,11 +48,9 @@ def test_what_cannot_be_shown_is_one_line(
         (["compare", "arm", "arm"], "arm: column 'observation.images.front' is missing"),
         (["contact-sheet", "arm", "x.png", "--frames", "1"], "arm: column 'observation.images.fr"),
     ):
-        monkeypatch.setattr(sys, "argv", ["safedagger", *typed])
-        with pytest.raises(SystemExit) as exit_:
-            cli.main()
+        code = run(*typed)
         error = capsys.readouterr().err
-        assert (exit_.value.code, len(error.splitlines())) == (2, 1)
+        assert (code, len(error.splitlines())) == (2, 1)
         assert named in error
     assert Dataset.open(arm.path).fps == 20
 

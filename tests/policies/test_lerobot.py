@@ -1,6 +1,5 @@
 """A policy of LeRobot's as the primary: ACT, small and untrained, in the world of a pendulum."""
 
-import sys
 from pathlib import Path
 
 import numpy as np
@@ -18,7 +17,7 @@ from pipeline.policies.lerobot import LeRobotActor
 from pipeline.policies.loading import load_primary
 from pipeline.rollout.recording import record_all
 from pipeline.rollout.rules.naive import Naive
-from stages import __main__ as cli
+from tests.command import run
 from tests.stages.pendulum import Pendulum
 from tests.stages.test_another_world import FIT, SAFETY, TASK, collect
 
@@ -164,10 +163,7 @@ def test_a_safety_policy_watches_it_drive(
         ("select", "rollout_1", "new_1"),
         ("merge", "D_0", "new_1", "D_1"),
     ):
-        monkeypatch.setattr(sys, "argv", ["safedagger", *map(str, command)])
-        with pytest.raises(SystemExit) as exit_:
-            cli.main()
-        assert exit_.value.code == 0, command
+        assert run(*command) == 0, command
     driven = Dataset.open(Path("rollout_1"))
     assert np.isfinite(driven.columns(["primary_action"])["primary_action"]).all()
     assert np.isfinite(driven.column("safe_probability")).all()

@@ -1,14 +1,13 @@
 """Algorithm 1 in a world of one file, tests/stages/pendulum.py, by the commands that the car has."""
 
 import json
-import sys
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 from pipeline.data.dataset import Dataset
-from stages import __main__ as cli
+from tests.command import run
 
 TASK = ("--task", "tests.stages.pendulum:Pendulum", "--length", "1.5", "--seed", "0")
 FIT = (
@@ -78,10 +77,7 @@ def house(tmp_path_factory: pytest.TempPathFactory) -> Path:
     with pytest.MonkeyPatch.context() as patch:
         patch.chdir(root)
         for command in LOOP:
-            patch.setattr(sys, "argv", ["safedagger", *map(str, command)])
-            with pytest.raises(SystemExit) as exit_:
-                cli.main()
-            assert exit_.value.code == 0, command
+            assert run(*command) == 0, command
     return root
 
 
@@ -202,10 +198,8 @@ def test_what_does_not_fit_is_one_line_and_leaves_nothing(
 ) -> None:
     monkeypatch.chdir(house)
     before = sorted(house.iterdir())
-    monkeypatch.setattr(sys, "argv", ["safedagger", *typed])
-    with pytest.raises(SystemExit) as exit_:
-        cli.main()
+    code = run(*typed)
     error = capsys.readouterr().err
-    assert (exit_.value.code, len(error.splitlines())) == (2, 1)
+    assert (code, len(error.splitlines())) == (2, 1)
     assert named in error
     assert sorted(house.iterdir()) == before

@@ -4,12 +4,11 @@ Their observations, actions and affordances were byte for byte the same on three
 """
 
 import json
-import sys
 from pathlib import Path
 
 import pytest
 
-from stages import __main__ as cli
+from tests.command import run
 from tests.content import column_hashes
 
 HELD = Path(__file__).parents[1] / "held"
@@ -29,15 +28,10 @@ SCALE = {
 
 
 @pytest.mark.parametrize("name", SCALE)
-def test_what_the_reference_collects_is_what_it_was(
-    name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_what_the_reference_collects_is_what_it_was(name: str, tmp_path: Path) -> None:
     options = SHARED | SCALE[name] | {"--purpose": name}
     words = [word for pair in options.items() for word in pair]
-    monkeypatch.setattr(sys, "argv", ["safedagger", "collect", str(tmp_path / name), *words])
-    with pytest.raises(SystemExit) as exit_:
-        cli.main()
-    assert exit_.value.code == 0
+    assert run("collect", tmp_path / name, *words) == 0
     held = json.loads((HELD / f"{name}.json").read_text())
     found = column_hashes(tmp_path / name)
     assert {column: found.get(column) for column in held} == held

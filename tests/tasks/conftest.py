@@ -5,7 +5,7 @@ from collections.abc import Callable
 
 import pytest
 
-from stages import __main__ as cli
+from tests.command import run
 
 Command = Callable[..., tuple[int, str, str]]
 
@@ -26,14 +26,6 @@ def drawing() -> None:
 
 
 @pytest.fixture
-def safedagger(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> Command:
+def safedagger(capsys: pytest.CaptureFixture[str]) -> Command:
     """Runs a command in this process; gives its exit code, stdout and stderr."""
-
-    def run(*arguments: object) -> tuple[int, str, str]:
-        monkeypatch.setattr(sys, "argv", ["safedagger", *map(str, arguments)])
-        with pytest.raises(SystemExit) as exit_:
-            cli.main()
-        assert isinstance(exit_.value.code, int)
-        return exit_.value.code, *capsys.readouterr()
-
-    return run
+    return lambda *words: (run(*words), *capsys.readouterr())

@@ -10,7 +10,7 @@ import pytest
 
 from pipeline.data.dataset import Dataset
 from pipeline.policies.loading import policy_lineage
-from stages import __main__ as cli
+from tests.command import run
 from tests.test_readme import README, ROOT, commands
 
 LOOP = commands(README, "Another robot, another policy")
@@ -21,16 +21,13 @@ ACT = commands(
 )
 
 
-def run(command: list[str]) -> None:
-    """In this process, if it is ours: LeRobot takes long to import."""
-    if command[0] != "safedagger":
-        script = Path(sys.executable).parent / command[0]
-        subprocess.run([script, *command[1:]], check=True, capture_output=True)
-        return
-    with pytest.MonkeyPatch.context() as patch, pytest.raises(SystemExit) as exit_:
-        patch.setattr(sys, "argv", command)
-        cli.main()
-    assert exit_.value.code == 0, command
+def type_(program: str, *words: str) -> None:
+    """Ours in this process, another by its script."""
+    if program == "safedagger":
+        assert run(*words) == 0, words
+    else:
+        script = Path(sys.executable).parent / program
+        subprocess.run([script, *words], check=True, capture_output=True)
 
 
 @pytest.fixture(scope="module")
@@ -40,7 +37,7 @@ def arm(tmp_path_factory: pytest.TempPathFactory) -> Path:
     with pytest.MonkeyPatch.context() as patch:
         patch.chdir(root)
         for command in (*LOOP, *ACT):
-            run(command)
+            type_(*command)
     return root / "arm"
 
 
