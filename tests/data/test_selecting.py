@@ -55,6 +55,17 @@ def test_selection_keeps_what_was_asked_as_it_was(
     assert set(new.column("source.dataset").tolist()) == {rollout_1.lineage.id}
 
 
+def test_what_was_asked_is_kept_whoever_drove(tmp_path: Path) -> None:
+    """An audit is a label that was paid for, though the primary drove."""
+    drive = random_episode(np.random.default_rng(0), 8)
+    drive.columns["intervention"][:, 0] = [0, 1, 0, 0, 0, 0, 1, 0]
+    drive.columns["queried"][:, 0] = [0, 1, 1, 0, 1, 0, 1, 0]
+    select(write(tmp_path / "rollout", [drive]), tmp_path / "new")
+    new = Dataset.open(tmp_path / "new")
+    assert new.column("source.frame").tolist() == [1, 2, 4, 6]
+    assert new.column("intervention").tolist() == [True, False, False, True]
+
+
 def test_no_picture_is_encoded_anew(rollout_1: Dataset, tmp_path: Path) -> None:
     select(rollout_1, tmp_path / "new")
     new = Dataset.open(tmp_path / "new")
