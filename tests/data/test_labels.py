@@ -25,6 +25,13 @@ def test_a_raw_rollout_is_not(rollout_1: Dataset) -> None:
         check_labels(rollout_1)
 
 
+def test_a_frame_that_was_asked_is_labelled_whoever_drove(tmp_path: Path) -> None:
+    """DAgger's, whose reference need not drive at all."""
+    drive = random_episode(np.random.default_rng(0), 3)
+    drive.columns["intervention"][:], drive.columns["queried"][:] = False, True
+    check_labels(write(tmp_path / "dagger", [drive]))
+
+
 def test_nothing_is_nothing_to_learn_from(tmp_path: Path) -> None:
     drive = random_episode(np.random.default_rng(0), 2)
     drive.columns["queried"][:] = False
