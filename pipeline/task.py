@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, get_type_hints
 import numpy as np
 
 from pipeline.data.schema import Feature
+from pipeline.metric import DRIVEN, Metric
 from pipeline.registry import TASKS, find_subclass
 
 if TYPE_CHECKING:
@@ -31,6 +32,7 @@ class Setting:
     """the smallest value that makes sense"""
 
 
+@dataclass(frozen=True)
 class Task(ABC):
     """A world with its settings; it can be pickled, and makes its environments where they are driven.
 
@@ -44,6 +46,8 @@ class Task(ABC):
     """all columns of its datasets: observations, core, hidden"""
     can_look_up: ClassVar[bool] = True
     """whether its reference answers for nothing: a rule in a simulator does, a person does not"""
+    metrics: ClassVar[Mapping[str, Metric]] = DRIVEN
+    """what its drives are measured by, of what their `outcome` and all drives have"""
 
     @property
     @abstractmethod
@@ -54,6 +58,11 @@ class Task(ABC):
     @abstractmethod
     def scenarios(self) -> list[str]:
         """The names of the situations that it can be driven in."""
+
+    @property
+    def conditions(self) -> Mapping[str, Task]:
+        """The task as it is to be evaluated, by the name of the condition; here as it is."""
+        return {"as_is": self}
 
     @abstractmethod
     def describe(self, scenario: str) -> str:

@@ -1,27 +1,27 @@
-"""Sec. 4.4: drive the test tracks by each strategy, without and with traffic."""
+"""Sec. 4.4: drive each scenario of a task by each strategy, in all conditions."""
 
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from stages import options
 
+if TYPE_CHECKING:
+    from pipeline.task import Task
+
 app = typer.Typer()
 
 
 @app.command()
+@options.seam("task")
 def evaluate(
     primary: options.Primary,
     safety: options.Safety,
-    tracks: options.Tracks,
-    traffic: options.Traffic,
-    laps: Annotated[float, typer.Option(min=0.01, max=3, help="Most laps of one drive.")],
+    task: "Task",
     starts: Annotated[
-        int, typer.Option(min=1, help="Drives on each track, from different places.")
+        int, typer.Option(min=1, help="Drives of each scenario, from different places.")
     ],
-    seconds: options.Seconds,
-    record_every: options.RecordEvery,
     strategies: Annotated[
         str, typer.Option(help="Driving strategies, separated by commas: naive, safe, optimal.")
     ],
@@ -32,43 +32,41 @@ def evaluate(
     cut: options.Cut = None,
 ) -> None:
     """Evaluate policies by driving strategies (Section 4.4)."""
-    from pipeline.driving.task import Driving
+    from dataclasses import asdict
+
+    from pipeline.evaluation.drives import table, write_drives
     from pipeline.evaluation.driving import evaluate as evaluate_drive
-    from pipeline.evaluation.driving import plans
-    from pipeline.evaluation.outcomes import write_outcomes
+    from pipeline.evaluation.driving import trials
     from pipeline.evaluation.summary import summarise
     from pipeline.evaluation.writing import write_metrics
     from pipeline.output import check_place
+    from pipeline.policies.computing import processor
     from pipeline.policies.inference import Driver
+    from pipeline.policies.loading import begun_with, weights_sha256
     from pipeline.rollout.judgement import Judgement
     from pipeline.rollout.strategies import parse_driving
     from pipeline.rollout.workers import in_order
 
     check_place(drives, metrics)
     driver = Driver.load(primary, safety)
+    driver.check_task(task.name, task.features)
     judgement = Judgement.read(safety, cut)
-    task = Driving(
-        tracks=tracks,
-        traffic=traffic,
-        record_every=record_every,
-        laps=laps,
-        seconds=seconds,
-    )
     rules = [judgement.rule(parse_driving(name)) for name in options.names(strategies)]
-    planned = list(plans(task, rules, starts, seed=seed))
-    outcomes = []
+    planned = list(trials(task, rules, starts, seed=seed))
+    rows = []
     with options.progress("driving", len(planned)) as advance_to:
-        for outcome in in_order(
-            evaluate_drive, ((plan, start, driver) for plan, start in planned), workers
-        ):
-            outcomes.append(outcome)
-            advance_to(len(outcomes))
-    write_outcomes(drives, outcomes)
-    write_metrics(
-        metrics, {"tracks": options.names(tracks), "most_laps": laps, **summarise(outcomes)}
+        for row in in_order(evaluate_drive, ((trial, driver) for trial in planned), workers):
+            rows.append(row)
+            advance_to(len(rows))
+    driven = table(rows).assign(
+        primary=weights_sha256(primary),
+        begun_with=begun_with(primary),
+        processor=processor(),
     )
-    frames = sum(outcome.frames for outcome in outcomes)
-    takeovers = sum(outcome.takeover_frames for outcome in outcomes)
+    write_drives(drives, driven)
+    about = {"name": task.name, **asdict(task)}
+    write_metrics(metrics, {"task": about, **summarise(driven, task.metrics)})
     typer.echo(
-        f"{metrics}: {len(outcomes)} drives, {frames} frames, {takeovers} of them by the reference"
+        f"{metrics}: {len(driven)} drives, {driven.frames.sum()} frames, "
+        f"{driven.takeover_frames.sum()} of them by the reference"
     )

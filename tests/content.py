@@ -7,8 +7,6 @@ Reads the files themselves, so that it tells the same of what any commit wrote:
 
 import hashlib
 import json
-import platform
-import re
 import sys
 from pathlib import Path
 
@@ -16,7 +14,8 @@ import cv2
 import numpy as np
 import pyarrow as pa
 import pyarrow.parquet as pq
-import torch
+
+from pipeline.policies.computing import processor
 
 
 def column_hashes(path: Path) -> dict[str, str]:
@@ -43,13 +42,6 @@ def run_hashes(house: Path) -> dict[str, str]:
     }
     files = [*(house / "models").glob("*/*.safetensors"), *house.glob("cards/metrics/*/drives_*")]
     return hashes | {str(p.relative_to(house)): _sha256(p.read_bytes()) for p in sorted(files)}
-
-
-def processor() -> str:
-    """Which one this is, as far as it decides how a network's sums are rounded."""
-    about = Path("/proc/cpuinfo").read_text() if Path("/proc/cpuinfo").exists() else ""
-    kind = re.findall(r"^(?:vendor_id|cpu family|model|stepping)\s*: (.+)$", about, re.MULTILINE)
-    return " ".join([platform.machine(), *kind[:4], torch.backends.cpu.get_cpu_capability()])
 
 
 def _hash(values: pa.Array) -> str:

@@ -41,7 +41,7 @@ MAY_IMPORT = {
         "pipeline.policies",
         "pipeline.rollout",
     },
-    "pipeline.claims": {"pipeline", "pipeline.rollout", "pipeline.evaluation"},
+    "pipeline.claims": {"pipeline", "pipeline.driving", "pipeline.rollout", "pipeline.evaluation"},
     "pipeline.report": {
         "pipeline",
         "pipeline.data",
@@ -67,7 +67,7 @@ FREE = (
     *(f"pipeline/{room}/**/*.py" for room in ("data", "policies", "rollout", "learning", "tasks")),
     *(f"stages/{stage}.py" for stage in ("collect", "rollout", "rollout_dagger", "recording")),
     *(f"stages/{stage}.py" for stage in ("train_primary", "train_safety", "select", "sample")),
-    *(f"stages/{stage}.py" for stage in ("merge", "ledger", "__main__")),
+    *(f"stages/{stage}.py" for stage in ("merge", "ledger", "evaluate", "__main__")),
 )
 MODULES = sorted(ROOT.glob("pipeline/**/*.py")) + sorted(ROOT.glob("stages/**/*.py"))
 STAGES = [path.stem for path in sorted(ROOT.glob("stages/*.py")) if path.stem != "__init__"]

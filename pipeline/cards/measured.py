@@ -58,11 +58,12 @@ def _read_driving(path: Path) -> Measured:
         return Measured({})
     file = MetricsFile(path)
     driving = {
-        (str(strategy), condition): file.record(Performance, strategy, condition)
+        (str(strategy), condition): file.numbers(strategy, condition)
         for strategy in DRIVING
         for condition in CONDITIONS
         if file.has(strategy, condition)
     }
     if not driving:
         raise ValueError(f"{path}: no strategy's drives, expected some of {', '.join(DRIVING)}")
-    return Measured(driving, file.names("tracks"), file.number("most_laps"))
+    tracks = [track.strip() for track in file.text("task", "tracks").split(",")]
+    return Measured(driving, tracks, file.number("task", "laps"))

@@ -165,8 +165,8 @@ def _limits(policy: PolicyFacts, measured: Measured, datasets: Sequence[Facts]) 
         of = measured.driving.get((strategy, condition))
         if of:
             found.append(
-                f"By the {strategy} strategy {CONDITION_WORDS[condition]} it was driven {of.drives} "
-                f"times, with one seed: {share(of.off_road)} of these drives left the road."
+                f"By the {strategy} strategy {CONDITION_WORDS[condition]} it was driven {of['drives']} "
+                f"times, with one seed: {share(of['off_road'])} of these drives left the road."
             )
     if policy.is_safety:
         found.append("It needs the reference policy at hand: somebody has to take over.")

@@ -1,13 +1,12 @@
 """The front matter of a policy's card, with what was measured as the Hub's `model-index`."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict
 
 from huggingface_hub import EvalResult, ModelCardData
 
 from pipeline.cards.measured import Measured
 from pipeline.cards.policy import PolicyFacts
-from pipeline.evaluation.metrics_file import SafetyQuality
-from pipeline.evaluation.summary import Performance
 from pipeline.evaluation.wording import CONDITION_WORDS
 
 _DRIVING = {
@@ -39,7 +38,7 @@ def _results(measured: Measured) -> list[EvalResult]:
         where = f"{strategy} strategy, {CONDITION_WORDS[condition]}"
         found += _of("safedagger/Driving-v0", tracks, where, performance, _DRIVING)
     if measured.held_out:
-        found += _of("local/D_safe", "D_safe", "held out", measured.held_out, _DETECTING)
+        found += _of("local/D_safe", "D_safe", "held out", asdict(measured.held_out), _DETECTING)
     return found
 
 
@@ -47,7 +46,7 @@ def _of(
     dataset: str,
     name: str,
     config: str,
-    measured: Performance | SafetyQuality,
+    measured: Mapping[str, float | None],
     metrics: dict[str, str],
 ) -> list[EvalResult]:
     """Of each metric that has a value: the Hub knows no null."""
@@ -59,8 +58,8 @@ def _of(
             dataset_config=config,
             metric_type=metric,
             metric_name=words,
-            metric_value=getattr(measured, metric),
+            metric_value=measured[metric],
         )
         for metric, words in metrics.items()
-        if getattr(measured, metric) is not None
+        if measured[metric] is not None
     ]

@@ -22,12 +22,12 @@ def driving(measured: Measured) -> str:
         [
             strategy,
             CONDITION_WORDS[condition],
-            count(of.drives),
-            laps(of.laps),
-            amount(of.damage_per_lap),
-            amount(of.steering_mse),
-            share(of.takeover),
-            share(of.off_road),
+            f"{of['drives']:,}",
+            laps(of["laps"]),
+            amount(of["damage_per_lap"]),
+            amount(of["steering_mse"]),
+            share(of["takeover"]),
+            share(of["off_road"]),
         ]
         for (strategy, condition), of in measured.driving.items()
     ]

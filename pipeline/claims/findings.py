@@ -7,10 +7,11 @@ as in the paper: an interquartile mean would leave out the quarter of the drives
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
 
+from pipeline.driving.metrics import METRICS
 from pipeline.evaluation.comparison import Cell, Contrast, contrast
 from pipeline.evaluation.experiment import Experiment
 from pipeline.evaluation.summary import LAPS
-from pipeline.evaluation.wording import amount, interval, laps, share
+from pipeline.evaluation.wording import FORMS, interval
 
 MARGIN = 0.1
 """[laps] a smaller difference counts as none, where that is the question"""
@@ -20,21 +21,6 @@ PAIRS = 6
 
 WORDS = {True: "holds", False: "does not hold", None: "undecided"}
 """for what is found"""
-
-
-@dataclass(frozen=True)
-class Form:
-    """How a metric is written."""
-
-    value: Callable[[float], str]
-    difference: Callable[[float], str]
-
-
-FORMS = {
-    "laps": Form(laps, "{:+z.2f}".format),
-    "takeover": Form(share, lambda gap: f"{100 * gap:+z.1f}"),
-    "steering_mse": Form(amount, "{:+z.2g}".format),
-}
 
 
 @dataclass(frozen=True)
@@ -103,7 +89,7 @@ def compare(
     found = contrast(experiment, metric, cell, baseline)
     if found is None:
         return unknown(f"{words}: not measured")
-    form = FORMS[metric]
+    form = FORMS[METRICS[metric].form]
     gap = found.difference
     enough = gap.count >= PAIRS
     values = f"{words}: {form.value(found.value)} against {form.value(found.baseline)}"

@@ -14,8 +14,7 @@ from pipeline.claims.findings import (
 )
 from pipeline.evaluation.comparison import Cell
 from pipeline.evaluation.experiment import RUNS, Experiment
-from pipeline.evaluation.outcomes import Outcome
-from pipeline.evaluation.summary import CONDITIONS, LAPS, condition
+from pipeline.evaluation.summary import CONDITIONS, LAPS
 from pipeline.evaluation.wording import CONDITION_WORDS, laps, seeds_in_words
 from pipeline.rollout.strategies import Strategy
 
@@ -26,12 +25,9 @@ START, LOOP, LAST = (0,), tuple(range(1, ITERATIONS + 1)), (ITERATIONS,)
 
 def is_whole(experiment: Experiment, seed: int, run: str) -> bool:
     """Iterations 0 to ITERATIONS are there, with naive and safe drives in both conditions."""
-    needed = set(product((Strategy.NAIVE, Strategy.SAFE), CONDITIONS))
-    steps = [experiment.steps.get((seed, run, i)) for i in (*START, *LOOP)]
-    return all(
-        step and needed <= {(drive.strategy, condition(drive)) for drive in step.drives}
-        for step in steps
-    )
+    needed = set(product((*START, *LOOP), (Strategy.NAIVE, Strategy.SAFE), CONDITIONS))
+    drives = experiment.among(seed=seed, run=run)
+    return needed <= set(zip(drives.iteration, drives.strategy, drives.condition, strict=True))
 
 
 def falls_short(experiment: Experiment) -> Finding:
@@ -40,18 +36,19 @@ def falls_short(experiment: Experiment) -> Finding:
     """
     short, shares, numbers = set(), [], []
     for seed in experiment.seeds:
-        drives = _supervised(experiment, seed)
-        if not drives:
+        # whatever run they stand for: the primary of iteration 0 is the same
+        drives = experiment.among(seed=seed, iteration=START, strategy=Strategy.NAIVE)
+        if drives.empty:
             return unknown(f"seed {seed}: not measured")
-        cases = {(drive.track, condition(drive)) for drive in drives}
-        failed = {(drive.track, condition(drive)) for drive in drives if drive.laps < LAPS}
-        worst = min(drives, key=lambda drive: (drive.laps, drive.track, drive.traffic))
-        short.add(bool(failed))
-        shares.append(f"{len(failed)} of {len(cases)}")
+        farthest = drives.groupby(["scenario", "condition"]).laps.min()
+        failed = farthest[farthest < LAPS]
+        worst = drives.sort_values(["laps", "scenario", "condition"]).iloc[0]
+        short.add(not failed.empty)
+        shares.append(f"{len(failed)} of {len(farthest)}")
         numbers.append(
             f"seed {seed}: in {shares[-1]} cases of track and traffic; worst is "
-            f"{worst.track} {CONDITION_WORDS[condition(worst)]}, {laps(min(worst.laps, LAPS))} of "
-            f"{LAPS:g} laps"
+            f"{worst.scenario} {CONDITION_WORDS[worst.condition]}, {laps(worst.laps)} of {LAPS:g} "
+            "laps"
         )
     return Finding(
         short.pop() if len(short) == 1 else None,
@@ -149,25 +146,11 @@ def naive(run: str, iteration: int) -> Cell:
     return Cell(run, (iteration,), Strategy.NAIVE, CONDITIONS)
 
 
-def _supervised(experiment: Experiment, seed: int) -> list[Outcome]:
-    """Naive drives of iteration 0, whatever run they stand for: its primary is the same."""
-    return [
-        drive
-        for run in experiment.runs
-        for step in experiment.of(run, 0)
-        if step.seed == seed
-        for drive in step.drives
-        if drive.strategy == Strategy.NAIVE
-    ]
-
-
 def _arrival(experiment: Experiment, seed: int, run: str) -> float:
     """The first iteration after which each naive drive does LAPS; infinity where none is."""
-    for iteration in (*START, *LOOP):
-        drives = experiment.steps[seed, run, iteration].drives
-        if all(drive.laps >= LAPS for drive in drives if drive.strategy == Strategy.NAIVE):
-            return iteration
-    return math.inf
+    drives = experiment.among(seed=seed, run=run, strategy=Strategy.NAIVE)
+    farthest = drives.groupby("iteration").laps.min()
+    return min(farthest.index[farthest >= LAPS], default=math.inf)
 
 
 def _when(iteration: float) -> str:

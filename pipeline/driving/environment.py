@@ -130,10 +130,12 @@ class DrivingEnv(Environment):
         return self._actions[0].copy()
 
     def outcome(self) -> dict[str, float]:
-        """Laps and metres driven (negative: backwards), damage [m^2/s^2], touches, off the road."""
+        """Laps, those that were asked for at most; metres driven (negative: backwards); damage
+        [m^2/s^2]; touches; off the road.
+        """
         world = self.world
         return {
-            "laps": world.laps,
+            "laps": min(max(world.laps, 0.0), self._laps),
             "distance_m": world.distance,
             "damage": world.damage,
             "touches": world.touches,

@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Annotated, ClassVar
 
 import numpy as np
 
 from pipeline.data.schema import Feature
 from pipeline.driving.features import FEATURES, ROBOT_TYPE, check_record_every
+from pipeline.driving.metrics import METRICS
+from pipeline.metric import Metric
 from pipeline.task import Setting, Task
 
 if TYPE_CHECKING:
@@ -29,6 +31,7 @@ class Driving(Task):
     name: ClassVar[str] = "driving"
     robot: ClassVar[str] = ROBOT_TYPE
     features: ClassVar[Mapping[str, Feature]] = FEATURES
+    metrics: ClassVar[Mapping[str, Metric]] = METRICS
 
     tracks: Annotated[
         str, Setting("Names of tracks, separated by commas; 'random:<seed>' is one too.")
@@ -71,6 +74,11 @@ class Driving(Task):
     def scenarios(self) -> list[str]:
         """The tracks."""
         return [track.strip() for track in self.tracks.split(",")]
+
+    @property
+    def conditions(self) -> Mapping[str, Task]:
+        """Without traffic, and with it."""
+        return {"no_traffic": replace(self, traffic=0), "traffic": self}
 
     def describe(self, scenario: str) -> str:
         """The track and its traffic."""

@@ -4,53 +4,27 @@ What is resampled is a *situation*: a seed, a test track and a start. Policies t
 meet the same situations.
 """
 
-from collections import defaultdict
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
+import pandas as pd
 
+from pipeline.driving.metrics import METRICS
 from pipeline.evaluation import statistics
+from pipeline.evaluation.drives import SITUATION
 from pipeline.evaluation.experiment import Experiment
-from pipeline.evaluation.outcomes import Outcome
-from pipeline.evaluation.statistics import (
-    Estimate,
-    Statistic,
-    interquartile_mean,
-    ratio_of_sums,
-)
-from pipeline.evaluation.summary import LAPS, condition
+from pipeline.evaluation.statistics import Estimate, interquartile_mean, ratio_of_sums
+from pipeline.metric import Metric
 from pipeline.rollout.strategies import Strategy
 
 RESAMPLING_SEED = 0
 """of every interval, so that none depends on which others were asked for"""
 
-type Situation = tuple[int, str, int]
-"""seed, track, start"""
+_SITUATION = ["seed", *SITUATION]
 
 
-@dataclass(frozen=True)
-class Metric:
-    """A statistic, and what it takes of a drive."""
-
-    statistic: Statistic
-    columns: Callable[[Outcome], tuple[float, ...]]
-
-
-METRICS = {
-    "laps": Metric(ratio_of_sums, lambda drive: (min(drive.laps, LAPS), 1)),
-    "laps_iqm": Metric(interquartile_mean, lambda drive: (min(drive.laps, LAPS),)),
-    "damage_per_lap": Metric(ratio_of_sums, lambda drive: (drive.damage, drive.laps)),
-    "steering_mse": Metric(
-        ratio_of_sums, lambda drive: (drive.squared_error_sum, drive.primary_frames)
-    ),
-    "takeover": Metric(ratio_of_sums, lambda drive: (drive.takeover_frames, drive.frames)),
-    "takeover_length": Metric(
-        ratio_of_sums, lambda drive: (drive.takeover_frames, drive.takeovers)
-    ),
-    "switches_per_lap": Metric(ratio_of_sums, lambda drive: (drive.switches, drive.laps)),
-}
-"""Those of `Performance`, by their names there, and the interquartile mean of the laps."""
+STATISTICS = {"ratio of sums": ratio_of_sums, "interquartile mean": interquartile_mean}
+"""Of `metric.Metric`."""
 
 
 @dataclass(frozen=True)
@@ -85,12 +59,12 @@ def estimate(experiment: Experiment, metric: str, cell: Cell) -> Estimate | None
         ValueError: two drives of one situation.
     """
     found = _columns(experiment, METRICS[metric], cell)
-    if not found:
+    if found.empty:
         return None
     return statistics.estimate(
-        METRICS[metric].statistic,
-        np.array([found[situation] for situation in sorted(found)]),
-        [(seed, track) for seed, track, _ in sorted(found)],
+        STATISTICS[METRICS[metric].statistic],
+        found.to_numpy(),
+        _strata(found.index),
         np.random.default_rng(RESAMPLING_SEED),
     )
 
@@ -102,18 +76,14 @@ def contrast(experiment: Experiment, metric: str, cell: Cell, baseline: Cell) ->
     Raises:
         ValueError: two drives of one situation.
     """
-    statistic = METRICS[metric].statistic
+    statistic = STATISTICS[METRICS[metric].statistic]
     first, second = (_columns(experiment, METRICS[metric], each) for each in (cell, baseline))
-    shared = sorted(first.keys() & second.keys())
-    if not shared:
+    shared = first.index.intersection(second.index).sort_values()
+    if shared.empty:
         return None
-    columns, others = (np.array([each[s] for s in shared]) for each in (first, second))
+    columns, others = (each.loc[shared].to_numpy() for each in (first, second))
     difference = statistics.difference(
-        statistic,
-        columns,
-        others,
-        [(seed, track) for seed, track, _ in shared],
-        np.random.default_rng(RESAMPLING_SEED),
+        statistic, columns, others, _strata(shared), np.random.default_rng(RESAMPLING_SEED)
     )
     if difference is None:
         return None
@@ -122,26 +92,29 @@ def contrast(experiment: Experiment, metric: str, cell: Cell, baseline: Cell) ->
     return Contrast(value, against, difference)
 
 
-def _columns(experiment: Experiment, metric: Metric, cell: Cell) -> dict[Situation, np.ndarray]:
-    """What the metric takes of each situation, (K,): the mean over the iterations and conditions."""
-    found: dict[Situation, dict[tuple[int, str], tuple[float, ...]]] = defaultdict(dict)
-    for iteration in cell.iterations:
-        for step in experiment.of(cell.run, iteration):
-            for drive in step.drives:
-                where = condition(drive)
-                if drive.strategy != cell.strategy or where not in cell.conditions:
-                    continue
-                rows = found[step.seed, drive.track, drive.start]
-                if (iteration, where) in rows:
-                    raise ValueError(
-                        f"seed {step.seed}, {cell.run}, iteration {iteration}: two drives of "
-                        f"{drive.strategy}, {where}, {drive.track}, start {drive.start}, "
-                        "expected one"
-                    )
-                rows[iteration, where] = metric.columns(drive)
-    complete = len(cell.iterations) * len(cell.conditions)
-    return {
-        situation: np.mean(list(rows.values()), axis=0)
-        for situation, rows in found.items()
-        if len(rows) == complete
-    }
+def _columns(experiment: Experiment, metric: Metric, cell: Cell) -> pd.DataFrame:
+    """What the metric takes of each situation, in order: means over the iterations and conditions."""
+    if not experiment.steps:
+        return pd.DataFrame()
+    found = experiment.among(
+        run=cell.run,
+        iteration=cell.iterations,
+        strategy=cell.strategy,
+        condition=cell.conditions,
+    )
+    twice = found[found.duplicated([*_SITUATION, "iteration", "condition"])]
+    if not twice.empty:
+        drive = twice.iloc[0]
+        raise ValueError(
+            f"seed {drive.seed}, {cell.run}, iteration {drive.iteration}: two drives of "
+            f"{drive.strategy}, {drive.condition}, {drive.scenario}, start {drive.start}, "
+            "expected one"
+        )
+    situations = found.groupby(_SITUATION)[[metric.part, metric.whole]]
+    complete = situations.size() == len(cell.iterations) * len(cell.conditions)
+    return situations.mean()[complete]
+
+
+def _strata(situations: pd.Index) -> list[tuple[int, str]]:
+    """Seed and scenario of each."""
+    return [(seed, scenario) for seed, scenario, _ in situations]

@@ -1,60 +1,78 @@
-"""Evaluation drives (Sec. 4.4): up to some laps on each track, by each strategy, without and with
-traffic.
-"""
+"""Evaluation drives (Sec. 4.4): each scenario of a task by each strategy, in all its conditions."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from dataclasses import replace
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import asdict, dataclass
 from itertools import pairwise
+from typing import Any
 
-from pipeline.driving.task import Driving
-from pipeline.evaluation.outcomes import Outcome
 from pipeline.policies.inference import Driver
 from pipeline.rollout.plans import SEED_STREAMS, Plan, driven
 from pipeline.rollout.rules.rule import Rule
+from pipeline.task import Task
 
 
-def plans(
-    task: Driving, rules: Sequence[Rule], starts: int, *, seed: int
-) -> Iterator[tuple[Plan, int]]:
-    """Every drive of an evaluation, with the number of its start: rules x conditions x tracks x
-    starts. The conditions are without traffic and with the task's.
+@dataclass(frozen=True)
+class Trial:
+    """A drive of an evaluation."""
 
-    Every policy meets the same starts and the same traffic.
+    plan: Plan
+    condition: str
+    """one of the task's"""
+    settings: Mapping[str, float]
+    """the numbers in which the task's conditions differ"""
+    start: int
+    """number of the start: equal starts are equal situations, whoever drives"""
+
+
+def trials(task: Task, rules: Sequence[Rule], starts: int, *, seed: int) -> Iterator[Trial]:
+    """Every drive of an evaluation: rules x conditions x scenarios x starts.
+
+    Every policy meets the same starts.
     """
+    conditions = task.conditions
+    varied = _varied(list(conditions.values()))
     for rule in rules:
-        for among in (replace(task, traffic=0), task):
-            for number, track in enumerate(among.scenarios):
+        for condition, there in conditions.items():
+            for number, scenario in enumerate(there.scenarios):
                 for start in range(starts):
                     stream = SEED_STREAMS["evaluation"] + start
-                    yield Plan(among, track, rule, (seed, stream, number)), start
+                    plan = Plan(there, scenario, rule, (seed, stream, number))
+                    yield Trial(plan, condition, {n: asdict(there)[n] for n in varied}, start)
 
 
-def evaluate(plan: Plan, start: int, driver: Driver) -> Outcome:
-    """Drive once and keep the figures only."""
-    task = plan.task
-    assert isinstance(task, Driving)
+def evaluate(trial: Trial, driver: Driver) -> dict[str, Any]:
+    """Drive once and keep the figures only: a row for `drives.table`, but for who drove."""
+    plan = trial.plan
     by_reference: list[bool] = []
-    squared_error = 0.0
+    deviation = 0.0
     for _, frame in driven(plan, driver):
         by_reference.append(frame.intervention)
         if not frame.intervention:
             pair = frame.primary_action[None], frame.reference_action[None]
-            squared_error += float(task.deviation(*pair)[0])
-    takeovers = sum(now and not before for before, now in pairwise([False, *by_reference]))
-    return Outcome(
-        track=plan.scenario,
-        traffic=task.traffic,
-        strategy=plan.rule.name,
-        start=start,
-        laps=min(max(frame.outcome["laps"], 0.0), task.laps),
-        damage=frame.outcome["damage"],
-        frames=len(by_reference),
-        takeover_frames=sum(by_reference),
-        squared_error_sum=squared_error,
-        primary_frames=len(by_reference) - sum(by_reference),
-        takeovers=takeovers,
-        switches=sum(now != before for before, now in pairwise(by_reference)),
-        off_road=bool(frame.outcome["off_road"]),
-    )
+            deviation += float(plan.task.deviation(*pair)[0])
+    return {
+        "scenario": plan.scenario,
+        "condition": trial.condition,
+        **trial.settings,
+        "strategy": plan.rule.name,
+        "start": trial.start,
+        "frames": len(by_reference),
+        "takeover_frames": sum(by_reference),
+        "primary_frames": len(by_reference) - sum(by_reference),
+        "takeovers": sum(now and not before for before, now in pairwise([False, *by_reference])),
+        "switches": sum(now != before for before, now in pairwise(by_reference)),
+        "deviation_sum": deviation,
+        **{name: float(value) for name, value in frame.outcome.items()},
+        "ended": frame.ended,
+    }
+
+
+def _varied(tasks: Sequence[Task]) -> list[str]:
+    """The settings, numbers, that are not the same in all."""
+    return [
+        name
+        for name, value in asdict(tasks[0]).items()
+        if isinstance(value, int | float) and len({asdict(task)[name] for task in tasks}) > 1
+    ]

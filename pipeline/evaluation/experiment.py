@@ -1,15 +1,17 @@
 """What an experiment has come to: every training strategy, iteration and seed, from its metrics."""
 
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
+from typing import Any
+
+import pandas as pd
 
 from pipeline.data.ledger import Ledger
+from pipeline.evaluation.drives import among, read_drives
 from pipeline.evaluation.metrics_file import MetricsFile, SafetyQuality
-from pipeline.evaluation.outcomes import Outcome, read_outcomes
-from pipeline.evaluation.summary import condition
-from pipeline.rollout.strategies import Strategy
 
 RUNS = {
     "supervised": "supervised",
@@ -30,7 +32,7 @@ _DRIVES = re.compile(r"drives_(?:(?P<run>[a-z_]+)_)?(?P<iteration>\d+)\.csv")
 _SEED = re.compile(r"seed_(?P<seed>\d+)")
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Step:
     """One iteration of one run on one seed."""
 
@@ -41,8 +43,8 @@ class Step:
     """0 is the supervised stage, which the runs of a seed share"""
     name: str
     """of its files, `dagger_2` say: two steps of a seed with one name are the same drives"""
-    drives: list[Outcome]
-    """on the test tracks, with every driving strategy"""
+    drives: pd.DataFrame
+    """on the test tracks, with every driving strategy: see `evaluation.drives`"""
     ledger: Ledger
     """what this iteration cost; that of D_0 in iteration 0, which is outside the loop"""
     tau: float
@@ -52,16 +54,17 @@ class Step:
     next_rollout: SafetyQuality | None
     """on what it met in collecting for the next iteration; None where it did not"""
 
-    def drives_of(self, strategy: Strategy, where: str) -> list[Outcome]:
-        """Its drives of one driving strategy, in one of CONDITIONS."""
-        return [d for d in self.drives if (d.strategy, condition(d)) == (strategy, where)]
 
-
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Experiment:
     """All steps, by (seed, run, iteration)."""
 
     steps: Mapping[tuple[int, str, int], Step]
+
+    @cached_property
+    def drives(self) -> pd.DataFrame:
+        """Those of all steps, with "seed", "run" and "iteration", and "step", its name."""
+        return all_drives(self.steps.values())
 
     @property
     def seeds(self) -> list[int]:
@@ -83,11 +86,24 @@ class Experiment:
         """The iterations that a run has on any seed, ascending."""
         return sorted({iteration for _, name, iteration in self.steps if name == run})
 
+    def among(self, **values: Any) -> pd.DataFrame:
+        """The drives of which these columns have these values; of a list or tuple, one of them."""
+        return among(self.drives, **values)
+
     def queries(self, seed: int, run: str, iteration: int) -> int:
         """Queries of the loop up to and with this iteration; D_0's and D_safe's are not of the loop."""
         return sum(
             self.steps[seed, run, number].ledger.queries for number in range(1, iteration + 1)
         )
+
+
+def all_drives(steps: Iterable[Step]) -> pd.DataFrame:
+    """The drives of some steps as one table, by seed, run and iteration."""
+    tables = [
+        step.drives.assign(seed=step.seed, run=step.run, iteration=step.iteration, step=step.name)
+        for step in sorted(steps, key=lambda step: (step.seed, step.run, step.iteration))
+    ]
+    return pd.concat(tables, ignore_index=True) if tables else pd.DataFrame()
 
 
 def read_experiment(metrics: Path) -> Experiment:
@@ -146,7 +162,7 @@ def read_step(
         run=run,
         iteration=iteration,
         name=name,
-        drives=read_outcomes(folder / f"drives_{name}.csv"),
+        drives=read_drives(folder / f"drives_{name}.csv"),
         ledger=MetricsFile(folder / ledger).record(Ledger),
         tau=safety.number("tau"),
         held_out=safety.record(SafetyQuality, "held_out"),

@@ -56,13 +56,20 @@ class MetricsFile:
         found = "nothing" if value is MISSING else json.dumps(value)
         raise ValueError(f"{self._path}: {'.'.join(keys)} is {found}, expected a number")
 
-    def names(self, *keys: str) -> list[str]:
-        """The list of names at `keys`, one at least."""
+    def numbers(self, *keys: str) -> dict[str, float | None]:
+        """All numbers in the object at `keys`, by name; None for null."""
         value = self._at(keys)
-        if isinstance(value, list) and value and all(isinstance(name, str) for name in value):
+        if not isinstance(value, dict):
+            raise ValueError(f"{self._path}: {'.'.join(keys)} is no object, expected numbers")
+        return {name: self.number(*keys, name, nullable=True) for name in value}
+
+    def text(self, *keys: str) -> str:
+        """The text at `keys`."""
+        value = self._at(keys)
+        if isinstance(value, str):
             return value
         found = "nothing" if value is MISSING else json.dumps(value)
-        raise ValueError(f"{self._path}: {'.'.join(keys)} is {found}, expected names")
+        raise ValueError(f"{self._path}: {'.'.join(keys)} is {found}, expected text")
 
     def _at(self, keys: tuple[str, ...]) -> Any:
         """What is there; MISSING where nothing is."""

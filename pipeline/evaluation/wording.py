@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Callable
+from dataclasses import dataclass
 
 from pipeline.evaluation.statistics import Estimate
 
@@ -10,9 +11,9 @@ NOTHING = "-"
 CONDITION_WORDS = {"no_traffic": "without traffic", "traffic": "with traffic"}
 
 
-def laps(value: float) -> str:
+def laps(value: float | None) -> str:
     """Rounded down, so that 2.999 laps do not read as three."""
-    return f"{math.floor(100 * value + 1e-6) / 100:.2f}"
+    return NOTHING if value is None else f"{math.floor(100 * value + 1e-6) / 100:.2f}"
 
 
 def share(value: float | None) -> str:
@@ -35,6 +36,22 @@ def ratio(value: float | None) -> str:
 def count(value: int) -> str:
     """With thousands apart."""
     return f"{value:,}"
+
+
+@dataclass(frozen=True)
+class Form:
+    """How a metric is written."""
+
+    value: Callable[[float | None], str]
+    difference: Callable[[float], str]
+
+
+FORMS = {
+    "rounded down": Form(laps, "{:+z.2f}".format),
+    "share": Form(share, lambda gap: f"{100 * gap:+z.1f}"),
+    "amount": Form(amount, "{:+z.2g}".format),
+}
+"""Of `metric.Metric`."""
 
 
 def seeds_in_words(seeds: list[int]) -> str:

@@ -1,9 +1,12 @@
 """The machine while it computes many batches: threads, and memory that is kept."""
 
 import ctypes
+import platform
+import re
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
+from pathlib import Path
 
 import torch
 
@@ -28,6 +31,13 @@ def computing(threads: int | None = None) -> Iterator[None]:
     finally:
         _mallopt({_MMAP_MAX: _MMAP_DEFAULT, _TRIM_THRESHOLD: _TRIM_DEFAULT})
         torch.set_num_threads(before)
+
+
+def processor() -> str:
+    """Which one this is, as far as it decides how a network's sums are rounded."""
+    about = Path("/proc/cpuinfo").read_text() if Path("/proc/cpuinfo").exists() else ""
+    kind = re.findall(r"^(?:vendor_id|cpu family|model|stepping)\s*: (.+)$", about, re.MULTILINE)
+    return " ".join([platform.machine(), *kind[:4], torch.backends.cpu.get_cpu_capability()])
 
 
 def _mallopt(options: dict[int, int]) -> None:

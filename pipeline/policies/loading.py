@@ -128,6 +128,21 @@ def policy_lineage(directory: Path) -> Lineage:
     return known if known and known.sha256 == sha256 else Lineage.foreign(sha256)
 
 
+def begun_with(primary: Path) -> str:
+    """The SHA-256 of the first primary in all that the one in a directory comes from: it is what
+    the loop began with, whether that one was trained on or only drove what was learned from.
+
+    Raises:
+        ValueError: as `policy_lineage`.
+    """
+    return "+".join(sorted(_first_primaries(policy_lineage(primary)))) or weights_sha256(primary)
+
+
+def _first_primaries(lineage: Lineage) -> set[str]:
+    before = {sha256 for parent in lineage.parents for sha256 in _first_primaries(parent)}
+    return before or ({lineage.sha256} if lineage.own.purpose == "primary" else set())
+
+
 def read_labels(safety: Path) -> dict[str, Any]:
     """By what rule the labels of the safety policy in `safety` were made; raises as `read_config`."""
     config = read_config(safety, SAFETY_TYPE)

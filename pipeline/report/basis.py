@@ -1,10 +1,8 @@
 """What the report rests on, in sentences: what was asked, what was driven, and how to get it again."""
 
-from collections import Counter
 from statistics import fmean
 
 from pipeline.evaluation.experiment import RUNS, Experiment
-from pipeline.evaluation.summary import condition
 from pipeline.evaluation.wording import count, seeds_in_words
 from pipeline.report import tables
 from pipeline.report.headline import OURS
@@ -22,7 +20,7 @@ def cost(material: Material) -> str:
     # whether the reference drives or is only looked up, each frame's deviation is known
     loop = [step.ledger for step in experiment.steps.values() if step.iteration]
     in_rollouts = sum(ledger.frames_driven - ledger.queries for ledger in loop)
-    in_evaluation = sum(drive.primary_frames for step in material.driven for drive in step.drives)
+    in_evaluation = int(material.driven.primary_frames.sum())
     mean = ", on average" if len(experiment.of(run, last)) > 1 else ""
     spent = [count(round(number)) for number in (queries, driven, d_0, d_safe, trained)]
     return (
@@ -37,14 +35,13 @@ def cost(material: Material) -> str:
 def basis(material: Material) -> str:
     """What everything rests on, and how to get it again."""
     experiment = material.experiment
-    steps = list(material.driven)
-    drives = [drive for step in steps for drive in step.drives]
-    starts = sorted({len({drive.start for drive in step.drives}) for step in steps})
-    cars = sorted({drive.traffic for drive in drives if drive.traffic})
+    drives = material.driven
+    starts = sorted(set(drives.groupby(["seed", "step"]).start.nunique()))
+    cars = sorted(set(drives.traffic[drives.traffic > 0]))
     return (
         f"**Basis.** {seeds_in_words(experiment.seeds).capitalize()}. Test tracks: "
-        f"{', '.join(sorted({drive.track for drive in drives}))}. Starts on each: "
-        f"{' or '.join(map(str, starts))}. Traffic: {' or '.join(map(str, cars)) or 'no'} cars. "
+        f"{', '.join(sorted(set(drives.scenario)))}. Starts on each: "
+        f"{' or '.join(map(str, starts))}. Traffic: {' or '.join(f'{number:g}' for number in cars) or 'no'} cars. "
         f"{count(len(drives))} drives in all: naive, in which the primary always drives; safe, in "
         "which the reference drives where the safety policy says unsafe; and optimal, where there "
         "are such, in which it drives where the primary truly deviates. "
@@ -55,12 +52,7 @@ def basis(material: Material) -> str:
 
 def certainty(experiment: Experiment) -> str:
     """What the intervals say, and what they cannot say."""
-    cells = Counter(
-        (step.run, step.iteration, drive.strategy, condition(drive))
-        for step in experiment.steps.values()
-        for drive in step.drives
-    )
-    most = max(cells.values())
+    most = experiment.drives.groupby(["run", "iteration", "strategy", "condition"]).size().max()
     allowed = 1 - 0.05 ** (1 / most)  # the share of failures that n drives hide once in 20 times
     alone = len(experiment.seeds) == 1
     return (

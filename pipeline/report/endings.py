@@ -1,22 +1,24 @@
 """How the drives ended that did not do all laps."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 
+import pandas as pd
+
+from pipeline.evaluation.drives import among
 from pipeline.evaluation.experiment import RUNS, Experiment
-from pipeline.evaluation.outcomes import Outcome
 from pipeline.evaluation.summary import CONDITIONS, LAPS
 from pipeline.evaluation.wording import NOTHING, table
 from pipeline.rollout.strategies import DRIVING, Strategy
 
 
-def left_the_road(drive: Outcome) -> bool:
-    """It ended beside the road."""
-    return drive.off_road
+def left_the_road(drives: pd.DataFrame) -> pd.Series:
+    """Which of them ended beside the road."""
+    return drives.off_road > 0
 
 
-def stopped_short(drive: Outcome) -> bool:
-    """It ended on the road before LAPS were done: stood still, or out of time."""
-    return drive.laps < LAPS and not drive.off_road
+def stopped_short(drives: pd.DataFrame) -> pd.Series:
+    """Which ended on the road before LAPS were done: stood still, or out of time."""
+    return (drives.laps < LAPS) & ~left_the_road(drives)
 
 
 def endings(experiment: Experiment) -> Iterator[str]:
@@ -24,17 +26,12 @@ def endings(experiment: Experiment) -> Iterator[str]:
     for the others.
     """
     for strategy in DRIVING:
-        drives = [
-            drive
-            for step in experiment.steps.values()
-            for drive in step.drives
-            if drive.strategy == strategy
-        ]
-        if any(map(_failed, drives)):
+        drives = experiment.among(strategy=strategy)
+        if _failed(drives):
             header = ["Left the road", "Stopped on the road"]
             titles = [f"{title}, {strategy}" for title in header]
             yield table(["Run", "Iteration", *titles], list(_rows(experiment, strategy)))
-        elif drives:
+        elif not drives.empty:
             yield f"All {strategy} drives did {LAPS:g} laps."
 
 
@@ -42,19 +39,20 @@ def _rows(experiment: Experiment, strategy: Strategy) -> Iterator[list[str]]:
     """Of each run and iteration that has such drives."""
     for run in experiment.runs:
         for iteration in experiment.iterations(run):
-            steps = experiment.of(run, iteration)
-            groups = [[d for s in steps for d in s.drives_of(strategy, c)] for c in CONDITIONS]
-            if any(_failed(drive) for drives in groups for drive in drives):
-                ends = [_counts(groups, ending) for ending in (left_the_road, stopped_short)]
-                yield [RUNS[run], str(iteration), *ends]
+            drives = experiment.among(run=run, iteration=iteration, strategy=strategy)
+            if _failed(drives):
+                groups = [among(drives, condition=where) for where in CONDITIONS]
+                left = [left_the_road(group) for group in groups]
+                stopped = [stopped_short(group) for group in groups]
+                yield [RUNS[run], str(iteration), _counts(left), _counts(stopped)]
 
 
-def _failed(drive: Outcome) -> bool:
-    return left_the_road(drive) or stopped_short(drive)
+def _failed(drives: pd.DataFrame) -> bool:
+    return bool((left_the_road(drives) | stopped_short(drives)).any())
 
 
-def _counts(groups: list[list[Outcome]], ending: Callable[[Outcome], bool]) -> str:
+def _counts(groups: list[pd.Series]) -> str:
     """Without and with traffic."""
     return " / ".join(
-        f"{sum(map(ending, drives))} of {len(drives)}" if drives else NOTHING for drives in groups
+        f"{ended.sum()} of {len(ended)}" if len(ended) else NOTHING for ended in groups
     )

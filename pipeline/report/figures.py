@@ -101,13 +101,7 @@ def optimal(experiment: Experiment) -> Figure | None:
 
 def _has_optimal(experiment: Experiment, run: str) -> bool:
     """In its loop: iteration 0 may be another run's too."""
-    return any(
-        step.drives_of(Strategy.OPTIMAL, where)
-        for iteration in experiment.iterations(run)
-        if iteration
-        for step in experiment.of(run, iteration)
-        for where in CONDITIONS
-    )
+    return bool((experiment.among(run=run, strategy=Strategy.OPTIMAL).iteration > 0).any())
 
 
 def _lines(runs: Sequence[str], strategy: Strategy, where: str) -> list[Line]:

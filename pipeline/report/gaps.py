@@ -5,6 +5,7 @@ from itertools import product
 
 from pipeline.claims.rules import ITERATIONS
 from pipeline.claims.verdicts import claims
+from pipeline.evaluation.drives import among
 from pipeline.evaluation.experiment import RUNS, TRAINING, Experiment, Step
 from pipeline.evaluation.summary import CONDITIONS
 from pipeline.evaluation.wording import CONDITION_WORDS
@@ -56,19 +57,17 @@ def _missing_drives(experiment: Experiment) -> Iterator[str]:
         steps = [step for key, step in sorted(experiment.steps.items()) if key[0] == seed]
         yield from _fewer_than_elsewhere(steps)
     for run in experiment.runs:
-        if run in TRAINING and not any(
-            step.drives_of(OPTIMAL, where)
-            for step in experiment.steps.values()
-            if step.run == run
-            for where in CONDITIONS
-        ):
+        if run in TRAINING and experiment.among(run=run, strategy=OPTIMAL).empty:
             yield f"{RUNS[run]}: no drives with the optimal safety policy."
 
 
 def _fewer_than_elsewhere(steps: Sequence[Step]) -> Iterator[str]:
     """Of one seed: cells with fewer drives than the fullest."""
     cells = list(product(steps, (NAIVE, SAFE), CONDITIONS))
-    counts = [len(step.drives_of(strategy, where)) for step, strategy, where in cells]
+    counts = [
+        len(among(step.drives, strategy=strategy, condition=where))
+        for step, strategy, where in cells
+    ]
     for (step, strategy, where), number in zip(cells, counts, strict=True):
         if number < max(counts):
             yield (

@@ -72,19 +72,16 @@ def _sentences(material: Material, run: str) -> Iterator[str]:
 
 def _arrival(experiment: Experiment, run: str) -> str:
     """After which iteration all naive drives did all laps first, and after which no longer."""
-    naive = {
-        i: [d for step in experiment.of(run, i) for d in step.drives if d.strategy == NAIVE]
-        for i in experiment.iterations(run)
-    }
-    full = [i for i, each in naive.items() if each and all(d.laps >= LAPS for d in each)]
+    naive = experiment.among(run=run, strategy=NAIVE).groupby("iteration").laps
+    full = list(naive.min().index[naive.min() >= LAPS])
     if not full:
         return f"After no iteration did all naive drives do {LAPS:g} laps."
     first = full[0]
     asked = count(round(tables.spent(experiment, run, first)[0]))
-    lost = [str(i) for i in naive if i > first and i not in full]
+    lost = [str(i) for i in experiment.iterations(run) if i > first and i not in full]
     later = f", but no longer after iteration {' and '.join(lost)}" if lost else ""
     return (
-        f"All {len(naive[first])} naive drives did {LAPS:g} laps first after iteration {first}, at "
+        f"All {naive.size()[first]} naive drives did {LAPS:g} laps first after iteration {first}, at "
         f"{asked} queries{later}."
     )
 

@@ -1,12 +1,15 @@
 """All that the report stands on, read from the metrics of every seed."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cached_property
 from itertools import chain
 from pathlib import Path
 
+import pandas as pd
+
 from pipeline.data.ledger import Ledger
-from pipeline.evaluation.experiment import VARIANTS, Experiment, Step, read_experiment
+from pipeline.evaluation.experiment import VARIANTS, Experiment, all_drives, read_experiment
 from pipeline.evaluation.metrics_file import MetricsFile
 from pipeline.report.scratch import read_scratch
 from pipeline.report.threshold import read_thresholds
@@ -27,7 +30,7 @@ class ErrorShares:
     """the tau that makes it so on the drives held out"""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Material:
     """An experiment and what stands beside it."""
 
@@ -41,12 +44,12 @@ class Material:
     errors: Mapping[int, ErrorShares]
     """by seed; a seed may have none"""
 
-    @property
-    def driven(self) -> Iterator[Step]:
-        """Every step that was evaluated, each once: runs share iteration 0 and its drives."""
+    @cached_property
+    def driven(self) -> pd.DataFrame:
+        """Every drive, each once: runs share iteration 0 and its drives."""
         groups = [self.experiment, *self.thresholds.values(), self.scratch]
         steps = chain.from_iterable(group.steps.values() for group in groups)
-        yield from {(step.seed, step.name): step for step in steps}.values()
+        return all_drives({(step.seed, step.name): step for step in steps}.values())
 
     def labels(self, seed: int, run: str, iteration: int) -> int:
         """Queries in all up to and with this iteration: D_0's, the loop's and, where the loop needs

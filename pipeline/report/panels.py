@@ -11,22 +11,16 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import PercentFormatter
 from matplotlib.transforms import offset_copy
 
+from pipeline.driving.metrics import METRICS
 from pipeline.evaluation.comparison import Cell, estimate
 from pipeline.evaluation.experiment import Experiment, Step
 from pipeline.evaluation.statistics import Estimate
 from pipeline.evaluation.summary import LAPS
+from pipeline.evaluation.wording import FORMS
 from pipeline.inspection.canvas import new_figure, styled
 from pipeline.report.looks import LOOKS, NAMES, legend, look
-from pipeline.report.tables import METRICS
 from pipeline.rollout.strategies import Strategy
 
-TITLES = {
-    "laps": ("Laps", "laps"),
-    "damage_per_lap": ("Damage", "m²/s² per lap"),
-    "steering_mse": ("Steering MSE", "squared error, full lock = 1"),
-    "takeover": ("Takeover", "share of frames"),
-}
-"""Of a metric: its title, and that of its axis."""
 ASKED = "queries of the loop so far, log scale"
 PLACES: dict[str, Callable[[Experiment, Step], float]] = {
     "iteration": lambda _, step: step.iteration,
@@ -59,7 +53,7 @@ class Line:
 
 @dataclass(frozen=True)
 class Panel:
-    """A metric, one of TITLES, of several lines against one of PLACES."""
+    """A metric, one of METRICS, of several lines against one of PLACES."""
 
     title: str
     metric: str
@@ -110,10 +104,8 @@ def draw(experiment: Experiment, panels: Sequence[Panel], columns: int) -> Figur
 
 def _is_driven(experiment: Experiment, line: Line) -> bool:
     """Whether there is anything to show of it."""
-    return any(
-        step.drives_of(line.strategy, line.condition)
-        for iteration in experiment.iterations(line.run)
-        for step in experiment.of(line.run, iteration)
+    return line.run in experiment.runs and not (
+        experiment.among(run=line.run, strategy=line.strategy, condition=line.condition).empty
     )
 
 
@@ -121,7 +113,8 @@ def _named(panels: Iterable[tuple[Panel, float]]) -> str:
     """Panels by what is everywhere in them."""
     titles: dict[str, list[str]] = defaultdict(list)
     for panel, value in panels:
-        words = f"{TITLES[panel.metric][0]} {METRICS[panel.metric][1](value)}"
+        metric = METRICS[panel.metric]
+        words = f"{metric.title} {FORMS[metric.form].value(value)}"
         titles[words].append(panel.title)
     return " ".join(f"{words}: {'; '.join(found)}." for words, found in titles.items())
 
@@ -163,8 +156,8 @@ def _draw(
 
 
 def _frame(axes: Axes, panel: Panel) -> None:
-    words, unit = TITLES[panel.metric]
-    axes.set(title=f"{words}: {panel.title}", xlabel=panel.place, ylabel=unit)
+    metric = METRICS[panel.metric]
+    axes.set(title=f"{metric.title}: {panel.title}", xlabel=panel.place, ylabel=metric.unit)
     axes.grid(axis="y")
     axes.margins(x=0.08)
     places = sorted({float(x) for line in axes.get_lines() for x in np.asarray(line.get_xdata())})
@@ -176,7 +169,7 @@ def _frame(axes: Axes, panel: Panel) -> None:
         axes.set_xticks([0, *_apart(first, places[-1])])
         axes.minorticks_off()
     axes.xaxis.set_major_formatter("{x:,.0f}")
-    if panel.metric == "takeover":
+    if metric.form == "share":
         axes.yaxis.set_major_formatter(PercentFormatter(1.0, decimals=0))
     if panel.metric == "laps":
         axes.axhline(LAPS, color="0.6", linewidth=0.8)

@@ -114,7 +114,7 @@ def _numbers(material: Material) -> Iterator[str]:
         "is held until the next. Takeover is the share of the frames that the reference drove; a "
         "switch is a change of driver from one frame to the next, either way."
     )
-    first, *others = tables.METRICS
+    first, *others = tables.STRATEGIES
     yield tables.driving(experiment, first)
     yield (
         "How the drives ended that did not do all laps, in counts. On the road they stopped because "

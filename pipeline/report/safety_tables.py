@@ -3,11 +3,12 @@
 from collections.abc import Iterable, Mapping
 from statistics import fmean
 
+from pipeline.driving.metrics import METRICS
 from pipeline.evaluation.experiment import VARIANTS, Experiment
 from pipeline.evaluation.metrics_file import SafetyQuality
 from pipeline.evaluation.wording import NOTHING, ratio, share, table
 from pipeline.report.material import ErrorShares
-from pipeline.report.tables import METRICS, SAFE, by_iteration, estimates
+from pipeline.report.tables import SAFE, by_iteration, estimates
 from pipeline.report.threshold import RUN
 
 QUALITY = {
@@ -47,7 +48,7 @@ def thresholds(found: Mapping[float, Experiment]) -> str:
         unsafe = mean_quality([step.held_out for step in experiment.of(RUN, 0)], "share_unsafe")
         cells = [" / ".join(estimates(experiment, metric, RUN, 0, SAFE)) for metric in BY_TAU]
         rows.append([f"{tau:g}", ", ".join(map(str, experiment.seeds)), share(unsafe), *cells])
-    header = ["tau", "Seeds", "Truly unsafe", *(METRICS[metric][0] for metric in BY_TAU)]
+    header = ["tau", "Seeds", "Truly unsafe", *(METRICS[metric].title for metric in BY_TAU)]
     return table(header, rows)
 
 

@@ -5,12 +5,13 @@ from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
 
-from pipeline.claims.findings import FORMS, PAIRS
+from pipeline.claims.findings import PAIRS
+from pipeline.driving.metrics import METRICS
 from pipeline.evaluation.comparison import Cell, contrast, estimate
+from pipeline.evaluation.drives import read_drives
 from pipeline.evaluation.experiment import Experiment
-from pipeline.evaluation.outcomes import read_outcomes
 from pipeline.evaluation.summary import CONDITIONS
-from pipeline.evaluation.wording import CONDITION_WORDS, NOTHING, interval, table
+from pipeline.evaluation.wording import CONDITION_WORDS, FORMS, NOTHING, interval, table
 from pipeline.rollout.strategies import Strategy
 
 WARM, SCRATCH = "safedagger", "scratch"
@@ -36,7 +37,7 @@ def read_scratch(metrics: Path, experiment: Experiment) -> Experiment:
         if warm:
             steps[seed, WARM, iteration] = warm
             steps[seed, SCRATCH, iteration] = replace(
-                warm, run=SCRATCH, name=f"scratch_{iteration}", drives=read_outcomes(path)
+                warm, run=SCRATCH, name=f"scratch_{iteration}", drives=read_drives(path)
             )
     return Experiment(steps)
 
@@ -57,14 +58,14 @@ def warm_or_scratch(pairs: Experiment) -> str:
 
 def _rows(pairs: Experiment, metric: str, words: str, iteration: int) -> Iterator[list[str]]:
     """Without and with traffic."""
-    form = FORMS[metric].value
+    form = FORMS[METRICS[metric].form]
     for where in CONDITIONS:
         cells = [_naive(run, iteration, (where,)) for run in (WARM, SCRATCH)]
         values = [estimate(pairs, metric, cell) for cell in cells]
         found = contrast(pairs, metric, cells[1], cells[0])
-        gap = interval(found.difference, FORMS[metric].difference) if found else NOTHING
+        gap = interval(found.difference, form.difference) if found else NOTHING
         what = f"{words}, {CONDITION_WORDS[where]}"
-        yield [f"D_{iteration}", what, *(interval(value, form) for value in values), gap]
+        yield [f"D_{iteration}", what, *(interval(value, form.value) for value in values), gap]
 
 
 def _further(pairs: Experiment, iteration: int) -> str:
@@ -81,7 +82,7 @@ def _further(pairs: Experiment, iteration: int) -> str:
         verdict = "which primary gets further is undecided"
     return (
         f"On D_{iteration}, {verdict}: over both conditions, from scratch minus warm is "
-        f"{interval(gap, FORMS['laps'].difference)} laps, in {gap.count} pairs of drives."
+        f"{interval(gap, FORMS[METRICS['laps'].form].difference)} laps, in {gap.count} pairs of drives."
     )
 
 

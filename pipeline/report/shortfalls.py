@@ -1,11 +1,11 @@
 """Where a run does less than three laps without damage, and how the drives ended there."""
 
-from collections import defaultdict
+from collections.abc import Iterator
 from dataclasses import dataclass
 
+from pipeline.driving.metrics import METRICS
 from pipeline.evaluation.experiment import Step
-from pipeline.evaluation.outcomes import Outcome
-from pipeline.evaluation.summary import LAPS, Performance, condition, measure
+from pipeline.evaluation.summary import LAPS, Performance, measure
 from pipeline.evaluation.wording import CONDITION_WORDS, amount, laps, table
 from pipeline.report.endings import left_the_road, stopped_short
 
@@ -30,7 +30,7 @@ class Shortfall:
 def falls_short(steps: list[Step]) -> str:
     """The shortfalls of one step on each seed, in words and as a table."""
     cases = [case for step in steps for case in _cases(step)]
-    found = [case for case in cases if case.performance.laps < LAPS or case.hit]
+    found = [case for case in cases if (case.performance["laps"] or 0) < LAPS or case.hit]
     where = f"In the drives after iteration {steps[0].iteration}"
     if not found:
         return (
@@ -41,9 +41,9 @@ def falls_short(steps: list[Step]) -> str:
         [
             str(case.seed),
             f"{case.strategy}, {CONDITION_WORDS[case.condition]}, {case.track}",
-            laps(case.performance.laps),
-            amount(case.performance.damage_per_lap),
-            *(f"{n} of {case.performance.drives}" for n in (case.left, case.stopped, case.hit)),
+            laps(case.performance["laps"]),
+            amount(case.performance["damage_per_lap"]),
+            *(f"{n} of {case.performance['drives']}" for n in (case.left, case.stopped, case.hit)),
         ]
         for case in found
     ]
@@ -58,22 +58,17 @@ def falls_short(steps: list[Step]) -> str:
     )
 
 
-def _cases(step: Step) -> list[Shortfall]:
+def _cases(step: Step) -> Iterator[Shortfall]:
     """Each strategy, condition and track that was driven, in this order."""
-    groups: dict[tuple[str, str, str], list[Outcome]] = defaultdict(list)
-    for drive in step.drives:
-        groups[drive.strategy, condition(drive), drive.track].append(drive)
-    return [_judge(step.seed, *case, drives) for case, drives in sorted(groups.items())]
-
-
-def _judge(seed: int, strategy: str, where: str, track: str, drives: list[Outcome]) -> Shortfall:
-    return Shortfall(
-        seed,
-        strategy,
-        where,
-        track,
-        measure(drives),
-        left=sum(map(left_the_road, drives)),
-        stopped=sum(map(stopped_short, drives)),
-        hit=sum(drive.damage > 0 for drive in drives),
-    )
+    for case, drives in step.drives.groupby(["strategy", "condition", "scenario"]):
+        strategy, where, track = map(str, case)
+        yield Shortfall(
+            step.seed,
+            strategy,
+            where,
+            track,
+            measure(drives, METRICS),
+            left=int(left_the_road(drives).sum()),
+            stopped=int(stopped_short(drives).sum()),
+            hit=int((drives.damage > 0).sum()),
+        )

@@ -4,34 +4,35 @@ from collections.abc import Callable
 from statistics import fmean
 
 from pipeline.data.ledger import Ledger, cumulative
+from pipeline.driving.metrics import METRICS
 from pipeline.evaluation.comparison import Cell, estimate
+from pipeline.evaluation.drives import among
 from pipeline.evaluation.experiment import RUNS, Experiment
 from pipeline.evaluation.summary import CONDITIONS
-from pipeline.evaluation.wording import amount, brief_interval, count, laps, share, table
+from pipeline.evaluation.wording import FORMS, brief_interval, count, share, table
 from pipeline.report.material import Material
 from pipeline.rollout.strategies import DRIVING, Strategy
 
 NAIVE, SAFE, OPTIMAL = DRIVING
-METRICS: dict[str, tuple[str, Callable[[float], str], tuple[Strategy, ...]]] = {
-    "laps": ("Laps", laps, DRIVING),
-    "laps_iqm": ("Interquartile mean of laps", laps, (NAIVE,)),
-    "damage_per_lap": ("Damage per lap", amount, DRIVING),
-    "steering_mse": ("Steering MSE", amount, (NAIVE, SAFE)),
-    "takeover": ("Takeover", share, (SAFE, OPTIMAL)),
-    "switches_per_lap": ("Switches per lap", amount, (SAFE, OPTIMAL)),
-    "takeover_length": ("Frames of a takeover", amount, (SAFE, OPTIMAL)),
+STRATEGIES: dict[str, tuple[Strategy, ...]] = {
+    "laps": DRIVING,
+    "laps_iqm": (NAIVE,),
+    "damage_per_lap": DRIVING,
+    "steering_mse": (NAIVE, SAFE),
+    "takeover": (SAFE, OPTIMAL),
+    "switches_per_lap": (SAFE, OPTIMAL),
+    "takeover_length": (SAFE, OPTIMAL),
 }
-"""Of a metric: its title, its form, and the driving strategies that it is given of."""
+"""The metrics that have a table, and the driving strategies that each is given of."""
 
 
 def driving(experiment: Experiment, metric: str) -> str:
     """One metric under the strategies that were driven, and of the steering MSE the frames that it
     rests on.
     """
-    title, _, of_metric = METRICS[metric]
-    driven = {drive.strategy for step in experiment.steps.values() for drive in step.drives}
-    strategies = [strategy for strategy in of_metric if strategy in driven]
-    header = [f"{title}, {strategy}" for strategy in strategies]
+    driven = set(experiment.drives.strategy)
+    strategies = [strategy for strategy in STRATEGIES[metric] if strategy in driven]
+    header = [f"{METRICS[metric].title}, {strategy}" for strategy in strategies]
     if metric == "steering_mse":
         header += [f"Frames of the MSE, {strategy}" for strategy in strategies]
 
@@ -84,7 +85,7 @@ def estimates(
     experiment: Experiment, metric: str, run: str, iteration: int, strategy: Strategy
 ) -> list[str]:
     """Without and with traffic, each with its interval."""
-    form = METRICS[metric][1]
+    form = FORMS[METRICS[metric].form].value
     cells = [Cell(run, (iteration,), strategy, (where,)) for where in CONDITIONS]
     return [brief_interval(estimate(experiment, metric, cell), form) for cell in cells]
 
@@ -107,6 +108,5 @@ def spent(experiment: Experiment, run: str, iteration: int) -> tuple[float, floa
 
 def _frames(experiment: Experiment, run: str, iteration: int, strategy: Strategy) -> list[str]:
     """Frames that the primary drove, without and with traffic."""
-    steps = experiment.of(run, iteration)
-    drives = [[d for step in steps for d in step.drives_of(strategy, c)] for c in CONDITIONS]
-    return [count(sum(drive.primary_frames for drive in each)) for each in drives]
+    drives = experiment.among(run=run, iteration=iteration, strategy=strategy)
+    return [count(int(among(drives, condition=each).primary_frames.sum())) for each in CONDITIONS]

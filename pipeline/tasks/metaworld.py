@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Annotated, ClassVar
 
 from pipeline.data.schema import Feature, core_features
+from pipeline.metric import DRIVEN, Metric
 from pipeline.task import Setting, Task
 
 if TYPE_CHECKING:
@@ -30,6 +31,11 @@ class MetaWorld(Task):
 
     name: ClassVar[str] = "metaworld"
     robot: ClassVar[str] = "sawyer"
+    metrics: ClassVar[Mapping[str, Metric]] = {
+        "success": Metric("Success", "share of drives", "share", "success"),
+        "steps": Metric("Frames of a drive", "frames", "amount", "frames"),
+        **DRIVEN,
+    }
     features: ClassVar[Mapping[str, Feature]] = {
         "observation.image": {
             "dtype": "image",

@@ -87,8 +87,8 @@ class MetaWorldEnv(MetaworldEnv, Environment):
         return self.label()
 
     def outcome(self) -> dict[str, float]:
-        """Whether it succeeded, and the frames that it has taken."""
-        return {"success": self._success, "steps": self._frames}
+        """Whether it succeeded."""
+        return {"success": self._success}
 
     def close(self) -> None:
         """Free the simulator and what draws it."""

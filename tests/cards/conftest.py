@@ -15,8 +15,10 @@ from pipeline.data.merging import merge
 from pipeline.data.selecting import select
 from pipeline.data.writing import write_dataset
 from pipeline.driving.features import ROBOT_TYPE
+from pipeline.driving.metrics import METRICS
 from pipeline.driving.network import PrimaryNetwork
 from pipeline.driving.policy import PrimaryConfig, PrimaryPolicy
+from pipeline.evaluation.drives import table
 from pipeline.evaluation.summary import summarise
 from pipeline.evaluation.writing import write_metrics
 from pipeline.policies.loading import policy_lineage, weights_sha256
@@ -110,8 +112,9 @@ def _write_rollout(folder: Path, d_0: Dataset, policies: list[Lineage]) -> None:
 
 
 def _write_metrics(folder: Path) -> None:
-    drives = [outcome(), outcome(traffic=3, damage=6.0)]
-    evaluated = {"tracks": ["yew", "random:9"], "most_laps": 0.5, **summarise(drives)}
+    drives = table([outcome(), outcome(traffic=3.0, damage=6.0)])
+    task = {"name": "driving", "tracks": "yew,random:9", "laps": 0.5}
+    evaluated = {"task": task, **summarise(drives, METRICS)}
     write_metrics(folder / "driving_0.json", evaluated)
     quality = {"auroc": 0.75, "recall": 0.6, "precision": 0.5, "share_unsafe": 0.25}
     held_out = quality | {"share_predicted_unsafe": 0.3, "frames": 40}

@@ -17,6 +17,8 @@ from tests.evaluation.made_up import (
     Table,
     ending,
     experiment,
+    only,
+    redriven,
     scattered,
 )
 
@@ -207,8 +209,8 @@ def test_the_yardstick_is_met_on_every_seed_by_its_worst_case() -> None:
     steps = dict(first.steps)
     for run in ("safedagger", "dagger"):
         step = steps[1, run, 0]
-        drives = [replace(d, laps=0.29) if d == step.drives[5] else d for d in step.drives]
-        steps[1, run, 0] = replace(step, drives=drives)
+        one = {"scenario": "willow", "start": 1, "strategy": "naive", "condition": "no_traffic"}
+        steps[1, run, 0] = redriven(step, {"laps": 0.29}, **one)
     judged = claims.supervised_fails(Experiment(steps))
     assert judged.verdict == "holds"
     assert judged.evidence == (
@@ -220,8 +222,7 @@ def test_the_yardstick_is_met_on_every_seed_by_its_worst_case() -> None:
     mixed = {**steps, **{key: perfect.steps[key] for key in perfect.steps if key[0] == 0}}
     del mixed[0, "dagger", 0]
     assert claims.supervised_fails(Experiment(mixed)).verdict == "undecided"
-    only_safe = [d for d in steps[0, "dagger", 0].drives if d.strategy == "safe"]
-    unmeasured = Experiment({(0, "dagger", 0): replace(steps[0, "dagger", 0], drives=only_safe)})
+    unmeasured = Experiment({(0, "dagger", 0): only(steps[0, "dagger", 0], strategy="safe")})
     assert claims.supervised_fails(unmeasured).evidence == "seed 0: not measured"
 
 
@@ -270,7 +271,7 @@ def test_seeds_without_the_whole_loop_do_not_count() -> None:
     good, bad = experiment(GOOD, seeds=2), experiment({**GOOD, "safedagger": SLOW}, seeds=2)
     steps = {key: (bad if key[0] else good).steps[key] for key in good.steps}
     step = steps[1, "safedagger", 2]
-    kept = [drive for drive in step.drives if drive.strategy == "naive" or drive.traffic == 0]
+    kept = step.drives.query("strategy == 'naive' or traffic == 0")
     steps[1, "safedagger", 2] = replace(step, drives=kept)
     judged = claims.supervised_stays_behind(Experiment(steps))
     assert judged == claims.supervised_stays_behind(experiment(GOOD))

@@ -4,10 +4,12 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
+import pandas as pd
+
 from pipeline.data.ledger import Ledger
+from pipeline.evaluation.drives import among, table
 from pipeline.evaluation.experiment import Experiment, Step
 from pipeline.evaluation.metrics_file import SafetyQuality
-from pipeline.evaluation.outcomes import Outcome
 from pipeline.report.material import ErrorShares, Material
 from pipeline.rollout.strategies import Strategy
 from tests.evaluation.sample import CARS, TRACKS, outcome
@@ -87,9 +89,24 @@ def changed(made_up: Experiment, change: Callable[[Step], Step]) -> Experiment:
 
 def with_optimal(step: Step, **changes: Any) -> Step:
     """With drives like the safe ones, but for the `changes`, under the optimal safety policy."""
-    safe = [drive for drive in step.drives if drive.strategy == Strategy.SAFE]
-    optimal = [replace(drive, strategy=Strategy.OPTIMAL, **changes) for drive in safe]
-    return replace(step, drives=step.drives + optimal)
+    optimal = among(step.drives, strategy=Strategy.SAFE).assign(strategy="optimal", **changes)
+    return replace(step, drives=pd.concat([step.drives, optimal], ignore_index=True))
+
+
+def only(step: Step, **values: Any) -> Step:
+    """With those of its drives that have these values."""
+    return replace(step, drives=among(step.drives, **values))
+
+
+def redriven(step: Step, changes: Mapping[str, Any], **values: Any) -> Step:
+    """With other columns in those of its drives that have these values; a change may be a function
+    of the drives."""
+    drives = step.drives.copy()
+    rows = among(drives, **values).index
+    for name, value in changes.items():
+        drives[name] = drives[name].astype(float) if name in drives else 0.0
+        drives.loc[rows, name] = value(drives.loc[rows]) if callable(value) else value
+    return replace(step, drives=drives)
 
 
 def material(made_up: Experiment, **changes: Any) -> Material:
@@ -112,13 +129,13 @@ def _step(seed: int, run: str, iteration: int, level: Level, starts: int) -> Ste
         run=run,
         iteration=iteration,
         name=f"{run}_{iteration}" if iteration else "0",
-        drives=[
+        drives=table(
             _drive(level, strategy, number, track, start)
             for strategy in (Strategy.NAIVE, Strategy.SAFE)
             for number in (0, 1)
             for track in TRACKS
             for start in range(starts)
-        ],
+        ),
         ledger=Ledger(FRAMES, level.queries, FRAMES, FRAMES, 0.3),
         tau=0.0025,
         held_out=SafetyQuality(None, None, None, None, None),
@@ -126,7 +143,7 @@ def _step(seed: int, run: str, iteration: int, level: Level, starts: int) -> Ste
     )
 
 
-def _drive(level: Level, strategy: Strategy, number: int, track: str, start: int) -> Outcome:
+def _drive(level: Level, strategy: Strategy, number: int, track: str, start: int) -> dict[str, Any]:
     safe = strategy is Strategy.SAFE
     turn = start + safe * (1 + number)  # other starts are better for safe, and in traffic
     factor = 1 + level.scatter * (-1) ** turn
@@ -134,14 +151,14 @@ def _drive(level: Level, strategy: Strategy, number: int, track: str, start: int
     takeover_frames = round(FRAMES * level.takeover[number] * factor) if safe else 0
     primary_frames = FRAMES - takeover_frames
     return outcome(
-        track=track,
-        traffic=number * CARS,
-        strategy=strategy,
+        scenario=track,
+        traffic=float(number * CARS),
+        strategy=str(strategy),
         start=start,
         laps=min(laps, 3.0),
         frames=FRAMES,
         takeover_frames=takeover_frames,
         primary_frames=primary_frames,
-        squared_error_sum=level.error[number] * factor * primary_frames,
-        off_road=laps < 3.0,
+        deviation_sum=level.error[number] * factor * primary_frames,
+        off_road=float(laps < 3.0),
     )

@@ -4,11 +4,12 @@ import json
 import shutil
 from pathlib import Path
 
+import pandas as pd
 import pytest
 
 from pipeline.evaluation.experiment import RUNS, Experiment, read_experiment
 from pipeline.rollout.strategies import Strategy
-from tests.evaluation.sample import drives, write_run
+from tests.evaluation.sample import CARS, TRACKS, drives, write_run
 
 
 def write_seed(metrics: Path, seed: int, *others: str) -> Path:
@@ -32,7 +33,7 @@ def test_every_seed_and_run_is_read(tmp_path: Path) -> None:
     assert [step.seed for step in experiment.of("supervised", 1)] == [10]
     step = experiment.steps[10, "supervised", 2]
     assert (step.seed, step.run, step.iteration) == (10, "supervised", 2)
-    assert step.drives == drives(2)
+    pd.testing.assert_frame_equal(step.drives, drives(2))
     assert step.name == "supervised_2"
     assert step.ledger.queries == 800
     assert step.held_out.auroc == 0.9
@@ -52,10 +53,12 @@ def test_rollouts_belong_to_the_policies_that_drove_them(tmp_path: Path) -> None
 
 def test_drives_are_told_apart_by_strategy_and_condition(tmp_path: Path) -> None:
     write_seed(tmp_path, 0)
-    step = read_experiment(tmp_path).steps[0, "safedagger", 1]
-    expected = [d for d in drives(1) if d.strategy == Strategy.SAFE and d.traffic > 0]
-    assert step.drives_of(Strategy.SAFE, "traffic") == expected
-    assert step.drives_of(Strategy.OPTIMAL, "traffic") == []
+    found = read_experiment(tmp_path)
+    here = {"run": "safedagger", "iteration": 1, "condition": "traffic"}
+    safe = found.among(**here, strategy=Strategy.SAFE)
+    assert len(safe) == 2 * len(TRACKS)
+    assert set(safe.traffic) == {CARS} and set(safe.strategy) == {"safe"}
+    assert found.among(**here, strategy=Strategy.OPTIMAL).empty
 
 
 def test_the_queries_are_those_of_the_loop_so_far(tmp_path: Path) -> None:

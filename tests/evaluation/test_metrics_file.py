@@ -77,14 +77,21 @@ def test_a_file_that_is_no_json_object(tmp_path: Path, content: str) -> None:
     assert "\n" not in str(error.value)
 
 
-@pytest.mark.parametrize(
-    ("content", "found"),
-    [("{}", "nothing"), ('{"tracks": []}', r"\[\]"), ('{"tracks": ["yew", 3]}', r'\["yew", 3\]')],
-)
-def test_names_are_a_list_of_text(content: str, found: str, tmp_path: Path) -> None:
+def test_all_numbers_of_an_object(tmp_path: Path) -> None:
     path = tmp_path / "driving_0.json"
-    path.write_text('{"tracks": ["yew", "random:9"]}')
-    assert MetricsFile(path).names("tracks") == ["yew", "random:9"]
+    path.write_text('{"naive": {"traffic": {"laps": 2.5, "takeover_length": null}}, "tau": 1}')
+    file = MetricsFile(path)
+    assert file.numbers("naive", "traffic") == {"laps": 2.5, "takeover_length": None}
+    for keys in (("safe",), ("tau",)):
+        with pytest.raises(ValueError, match=f"^{path}: {keys[0]} is no object, expected numbers$"):
+            file.numbers(*keys)
+
+
+@pytest.mark.parametrize(("content", "found"), [("{}", "nothing"), ('{"tracks": 3}', "3")])
+def test_text_is_text(content: str, found: str, tmp_path: Path) -> None:
+    path = tmp_path / "driving_0.json"
+    path.write_text('{"tracks": "yew,random:9"}')
+    assert MetricsFile(path).text("tracks") == "yew,random:9"
     path.write_text(content)
-    with pytest.raises(ValueError, match=f"^{path}: tracks is {found}, expected names$"):
-        MetricsFile(path).names("tracks")
+    with pytest.raises(ValueError, match=f"^{path}: tracks is {found}, expected text$"):
+        MetricsFile(path).text("tracks")

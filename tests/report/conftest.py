@@ -1,11 +1,9 @@
 """An experiment that has everything there can be."""
 
-from dataclasses import replace
-
 import pytest
 
 from pipeline.evaluation.experiment import VARIANTS, Experiment, Step
-from pipeline.rollout.strategies import Strategy
+from tests.evaluation import made_up
 from tests.evaluation.made_up import GOOD, changed, experiment, scattered
 
 TABLE = {run: scattered(list(levels)) for run, levels in GOOD.items()}
@@ -21,14 +19,8 @@ def with_optimal(step: Step) -> Step:
     """Drives like the safe ones, with half of the takeover; not in variants, as in the experiment."""
     if step.run in VARIANTS[1:]:
         return step
-    added = [
-        replace(
-            drive,
-            strategy=Strategy.OPTIMAL,
-            takeover_frames=drive.takeover_frames // 2,
-            primary_frames=drive.frames - drive.takeover_frames // 2,
-        )
-        for drive in step.drives
-        if drive.strategy == Strategy.SAFE
-    ]
-    return replace(step, drives=step.drives + added)
+    return made_up.with_optimal(
+        step,
+        takeover_frames=lambda safe: safe.takeover_frames // 2,
+        primary_frames=lambda safe: safe.frames - safe.takeover_frames,
+    )

@@ -11,7 +11,6 @@ import pytest
 from matplotlib.figure import Figure
 
 from pipeline.evaluation.experiment import RUNS, TRAINING, VARIANTS, Experiment, Step
-from pipeline.evaluation.summary import condition
 from pipeline.inspection.canvas import png
 from pipeline.report.figures import (
     TITLES,
@@ -22,7 +21,16 @@ from pipeline.report.figures import (
     result,
     takeover,
 )
-from tests.evaluation.made_up import FULL, GROWING, SLOW, changed, experiment, with_optimal
+from tests.evaluation.made_up import (
+    FULL,
+    GROWING,
+    SLOW,
+    changed,
+    experiment,
+    only,
+    redriven,
+    with_optimal,
+)
 from tests.report.drawn import curves, panels, words
 
 DRAW: dict[str, Callable[[Experiment], Figure | None]] = {
@@ -116,7 +124,7 @@ def test_driving_has_a_line_for_each_run_with_its_metric() -> None:
         f"{each}, {where}" for each in metrics for where in ("no traffic", "traffic")
     ]
     assert words(figure) == (
-        "Not drawn, as nothing differs. Damage 0: naive, no traffic; naive, traffic; safe, no traffic; "
+        "Not drawn, as nothing differs. Damage per lap 0: naive, no traffic; naive, traffic; safe, no traffic; "
         "safe, traffic. Laps 3.00: safe, no traffic; safe, traffic."
     )
     assert curves(shown["Laps: naive, no traffic", "iteration"]) == {
@@ -131,11 +139,9 @@ def test_a_panel_is_drawn_as_soon_as_one_drive_differs() -> None:
     """In one iteration of one run, by a hundredth of a lap."""
 
     def slower(step: Step) -> Step:
-        drives = [
-            replace(d, laps=2.99) if (d.strategy, d.traffic, d.start) == ("safe", 0, 0) else d
-            for d in step.drives
-        ]
-        return replace(step, drives=drives) if (step.run, step.iteration) == ("dagger", 2) else step
+        one = {"strategy": "safe", "condition": "no_traffic", "start": 0, "scenario": "yew"}
+        here = (step.run, step.iteration) == ("dagger", 2)
+        return redriven(step, {"laps": 2.99}, **one) if here else step
 
     figure = driving(changed(experiment({"dagger": SLOW, "safedagger": GROWING}), slower), TRAINING)
     assert ("Laps: safe, no traffic", "iteration") in panels(figure)
@@ -150,13 +156,12 @@ def test_where_nothing_differs_in_any_panel_all_are_drawn() -> None:
 
 def test_damage_is_shown_per_lap() -> None:
     def damaged(step: Step) -> Step:
-        drives = [replace(d, damage=step.iteration * d.laps) for d in step.drives]
-        return replace(step, drives=drives)
+        return redriven(step, {"damage": lambda drives: step.iteration * drives.laps})
 
     hit = changed(experiment({"dagger": SLOW}), damaged)
     for where in ("no traffic", "traffic"):
         (points,) = curves(
-            panels(driving(hit, TRAINING))[f"Damage: naive, {where}", "iteration"]
+            panels(driving(hit, TRAINING))[f"Damage per lap: naive, {where}", "iteration"]
         ).values()
         assert [y for _, y in points] == [0.0, 1.0, 2.0, 3.0]
 
@@ -207,7 +212,7 @@ def test_only_what_is_there_is_drawn() -> None:
     """One run of two iterations, in which nobody met traffic."""
     alone = changed(
         experiment({"supervised": SLOW[:2]}, starts=1),
-        lambda step: replace(step, drives=[d for d in step.drives if condition(d) == "no_traffic"]),
+        lambda step: only(step, condition="no_traffic"),
     )
     figures = [driving(alone, TRAINING), takeover(alone, TRAINING), cost(alone, TRAINING)]
     assert [len(panels(figure)) for figure in figures] == [3, 1, 2]

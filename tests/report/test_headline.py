@@ -3,7 +3,7 @@
 from dataclasses import replace
 
 from pipeline.evaluation.experiment import Experiment
-from tests.evaluation.made_up import FULL, GOOD, GROWING, SLOW, ending, experiment
+from tests.evaluation.made_up import FULL, GOOD, GROWING, SLOW, ending, experiment, redriven
 from tests.report.rendered import report
 
 
@@ -77,8 +77,9 @@ def test_when_all_laps_were_first_done_and_lost_again() -> None:
     levels = [FULL, GROWING[0], FULL, FULL]
     made_up = experiment({"safedagger": [GROWING[0], *levels]}, seeds=2)
     step = made_up.steps[1, "safedagger", 4]
-    last = [replace(d, laps=2.99) if d == step.drives[0] else d for d in step.drives]
-    lost = Experiment({**made_up.steps, (1, "safedagger", 4): replace(step, drives=last)})
+    one = {"scenario": "yew", "start": 0, "strategy": "naive", "condition": "traffic"}
+    last = redriven(step, {"laps": 2.99}, **one)
+    lost = Experiment({**made_up.steps, (1, "safedagger", 4): last})
     assert (
         "All 48 naive drives did 3 laps first after iteration 1, at 1,000 queries, but no longer "
         "after iteration 2 and 4." in report(lost)

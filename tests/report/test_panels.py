@@ -1,7 +1,5 @@
 """A panel shows what its lines are, where they are, with intervals, and gaps where there is nothing."""
 
-from dataclasses import replace
-
 import matplotlib
 import numpy as np
 import pytest
@@ -12,7 +10,7 @@ from pipeline.inspection.canvas import png
 from pipeline.report.figures import cost, driving, takeover
 from pipeline.report.looks import LOOKS
 from pipeline.rollout.strategies import Strategy
-from tests.evaluation.made_up import GROWING, SLOW, changed, experiment
+from tests.evaluation.made_up import FRAMES, GROWING, SLOW, changed, experiment, redriven
 from tests.report.drawn import curves, panels
 
 
@@ -80,16 +78,9 @@ def test_what_is_not_defined_leaves_a_gap() -> None:
     """The primary never drives in iteration 1, and nowhere under the safe strategy."""
 
     def idle(step: Step) -> Step:
-        none = {"primary_frames": 0, "squared_error_sum": 0.0}
-        return replace(
-            step,
-            drives=[
-                replace(d, takeover_frames=d.frames, **none)
-                if step.iteration == 1 or d.strategy == Strategy.SAFE
-                else d
-                for d in step.drives
-            ],
-        )
+        none = {"primary_frames": 0, "deviation_sum": 0.0, "takeover_frames": FRAMES}
+        strategies = ("naive", "safe") if step.iteration == 1 else ("safe",)
+        return redriven(step, none, strategy=strategies)
 
     figure = driving(changed(experiment({"dagger": SLOW}), idle), TRAINING)
     shown = panels(figure)

@@ -4,8 +4,6 @@ from dataclasses import replace
 
 from pipeline.claims.verdicts import verdicts
 from pipeline.evaluation.experiment import RUNS, Experiment
-from pipeline.evaluation.summary import condition
-from pipeline.rollout.strategies import Strategy
 from tests.evaluation.made_up import (
     FULL,
     GOOD,
@@ -14,6 +12,7 @@ from tests.evaluation.made_up import (
     changed,
     ending,
     experiment,
+    only,
     scattered,
     with_optimal,
 )
@@ -118,10 +117,9 @@ def test_what_is_missing_is_named() -> None:
         del steps[1, "safedagger_last", i]
         for seed in range(2):
             step = steps[seed, "dagger_budget", i]
-            drives = [d for d in step.drives if d.strategy != Strategy.OPTIMAL]
-            steps[seed, "dagger_budget", i] = replace(step, drives=drives)
+            steps[seed, "dagger_budget", i] = only(step, strategy=["naive", "safe"])
     cut = steps[0, "safedagger_max", 1]
-    kept = [d for d in cut.drives if d.strategy != "safe" or d.traffic == 0 or d.track != "yew"]
+    kept = cut.drives.query("strategy != 'safe' or traffic == 0 or scenario != 'yew'")
     steps[0, "safedagger_max", 1] = replace(cut, drives=kept)
     found = section(report(Experiment(steps), errors={}), "What is missing").strip().splitlines()
     assert found == [
@@ -141,7 +139,7 @@ def test_what_is_missing_is_named() -> None:
 def test_a_condition_that_nobody_met_is_missing() -> None:
     quiet = changed(
         experiment({"dagger": SLOW[:1]}),
-        lambda step: replace(step, drives=[d for d in step.drives if condition(d) == "no_traffic"]),
+        lambda step: only(step, condition="no_traffic"),
     )
     text = report(quiet)
     assert "Traffic: no cars." in text

@@ -4,11 +4,12 @@ import shutil
 from dataclasses import replace
 from pathlib import Path
 
+import pandas as pd
 import pytest
 
 from pipeline.evaluation.experiment import Experiment, read_experiment
 from pipeline.report.scratch import SCRATCH, WARM, read_scratch, warm_or_scratch
-from tests.evaluation.made_up import Level, experiment
+from tests.evaluation.made_up import Level, experiment, only
 from tests.evaluation.sample import drives, write_run
 
 
@@ -25,8 +26,8 @@ def test_the_warm_counterpart_stands_beside_it(tmp_path: Path) -> None:
     whole = read_experiment(tmp_path)
     found = read_scratch(tmp_path, whole)
     assert found.steps.keys() == {(4, WARM, 3), (4, SCRATCH, 3)}
-    assert found.steps[4, WARM, 3] == whole.steps[4, "safedagger", 3]
-    assert found.steps[4, SCRATCH, 3].drives == drives(1)
+    assert found.steps[4, WARM, 3] is whole.steps[4, "safedagger", 3]
+    pd.testing.assert_frame_equal(found.steps[4, SCRATCH, 3].drives, drives(1))
     assert found.steps[4, SCRATCH, 3].name == "scratch_3"
 
 
@@ -79,7 +80,7 @@ def test_laps_and_error_stand_side_by_side_with_their_difference() -> None:
 def test_what_was_not_driven_is_not_compared() -> None:
     found = pairs(Level(), Level())
     step = found.steps[0, SCRATCH, 3]
-    quiet = replace(step, drives=[drive for drive in step.drives if drive.traffic == 0])
+    quiet = only(step, condition="no_traffic")
     text = warm_or_scratch(Experiment({**found.steps, (0, SCRATCH, 3): quiet}))
     assert text.startswith("On D_3, no start was given to both.")
     assert "| D_3 | laps, with traffic | 1.50 [1.50, 1.50] | - | - |" in text

@@ -1,28 +1,19 @@
 """Where a run falls short: by seed, strategy, condition and track, with how the drives ended."""
 
-from dataclasses import replace
-
 from pipeline.evaluation.experiment import Step
-from pipeline.evaluation.outcomes import Outcome
 from pipeline.report.shortfalls import falls_short
-from pipeline.rollout.strategies import Strategy
-from tests.evaluation.made_up import FULL, experiment
+from tests.evaluation.made_up import FULL, experiment, redriven
 
 
 def steps(*changes: tuple[int, str, int, int, dict]) -> list[Step]:
     """Iteration 1 of two seeds, perfect but for the changes: seed, track, traffic, start, what."""
-
-    def change(seed: int, drive: Outcome) -> Outcome:
-        for number, track, traffic, start, what in changes:
-            place = (seed, drive.track, drive.traffic > 0, drive.start, drive.strategy)
-            if place == (number, track, traffic > 0, start, Strategy.NAIVE):
-                return replace(drive, **what)
-        return drive
-
     found = experiment({"safedagger": [FULL, FULL]}, seeds=2, starts=2).of("safedagger", 1)
-    return [
-        replace(step, drives=[change(step.seed, drive) for drive in step.drives]) for step in found
-    ]
+    for seed, track, traffic, start, what in changes:
+        where = ("no_traffic", "traffic")[traffic]
+        found[seed] = redriven(
+            found[seed], what, scenario=track, condition=where, start=start, strategy="naive"
+        )
+    return found
 
 
 def test_nowhere() -> None:
@@ -35,8 +26,8 @@ def test_nowhere() -> None:
 def test_every_case_is_listed_with_how_its_drives_ended() -> None:
     text = falls_short(
         steps(
-            (1, "yew", 0, 0, {"laps": 1.0, "off_road": True}),
-            (0, "spruce", 1, 0, {"laps": 0.5, "off_road": False}),
+            (1, "yew", 0, 0, {"laps": 1.0, "off_road": 1.0}),
+            (0, "spruce", 1, 0, {"laps": 0.5, "off_road": 0.0}),
             (0, "spruce", 1, 1, {"damage": 7.0}),
         )
     )

@@ -20,6 +20,7 @@ from tests.evaluation.made_up import (
     SLOW,
     changed,
     experiment,
+    redriven,
     scattered,
     with_optimal,
 )
@@ -64,10 +65,8 @@ def test_laps_have_their_intervals_in_both_conditions() -> None:
 
 def test_every_metric_is_in_its_table() -> None:
     def driven(step: Step) -> Step:
-        safe = [d for d in step.drives if d.strategy == Strategy.SAFE]
-        naive = [replace(d, damage=3 * d.laps) for d in step.drives if d not in safe]
-        switched = [replace(d, takeovers=20, switches=39) for d in safe]
-        return replace(step, drives=naive + switched)
+        hit = redriven(step, {"damage": lambda d: 3 * d.laps}, strategy="naive")
+        return redriven(hit, {"takeovers": 20, "switches": 39}, strategy="safe")
 
     text = numbers(report(changed(experiment({"dagger": SLOW}, starts=2), driven)))
     same = "{0} / {1}".format
@@ -165,11 +164,8 @@ def test_which_errors_are_safe_by_seed() -> None:
 
 def test_track_by_track_after_the_last_iteration_over_all_seeds() -> None:
     def slower_on_yew(step: Step) -> Step:
-        drives = [
-            replace(d, laps=1.0 + step.seed, damage=3.0) if d.track == "yew" and d.traffic else d
-            for d in step.drives
-        ]
-        return replace(step, drives=drives)
+        slow = {"laps": 1.0 + step.seed, "damage": 3.0}
+        return redriven(step, slow, scenario="yew", condition="traffic")
 
     made_up = experiment({"dagger": SLOW[:2], "safedagger": [*GROWING, FULL]}, seeds=2)
     text = section(
@@ -186,7 +182,7 @@ def test_track_by_track_after_the_last_iteration_over_all_seeds() -> None:
 def test_a_track_without_drives_of_a_strategy_has_no_number() -> None:
     made_up = experiment({"safedagger": [FULL]})
     step = made_up.steps[0, "safedagger", 0]
-    kept = [d for d in step.drives if d.track != "yew" or d.strategy == Strategy.NAIVE]
+    kept = step.drives.query("scenario != 'yew' or strategy == 'naive'")
     text = report(Experiment({(0, "safedagger", 0): replace(step, drives=kept)}))
     found = rows(section(text, "Track by track, after the last iteration"), "Takeover, safe")
     assert found["SafeDAgger", "yew"] == ["3.00 / 3.00", "- / -", "0 / 0", "- / -"]

@@ -4,6 +4,7 @@ import json
 import shutil
 from pathlib import Path
 
+import pandas as pd
 import pytest
 
 from pipeline.evaluation.comparison import Cell, estimate
@@ -33,8 +34,9 @@ def test_all_seeds_are_read_by_tau(tmp_path: Path) -> None:
     assert [found[tau].seeds for tau in found] == [[10], [2, 10], [2, 10]]
     (step,) = found[0.000625].of(RUN, 0)
     assert step.held_out.share_unsafe == 0.2
-    assert step.drives == drives(2)
-    assert [step.drives for step in found[0.0025].of(RUN, 0)] == [drives(0)] * 2
+    pd.testing.assert_frame_equal(step.drives, drives(2))
+    for step in found[0.0025].of(RUN, 0):
+        pd.testing.assert_frame_equal(step.drives, drives(0))
 
 
 def test_what_was_read_can_be_measured(tmp_path: Path) -> None:
