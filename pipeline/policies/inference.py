@@ -84,7 +84,10 @@ class Driver:
         except ValueError as error:
             raise ValueError(f"task {name}: {error} by the primary") from None
 
-    def propose(self, seen: Mapping[str, np.ndarray]) -> tuple[np.ndarray, dict[str, float]]:
+    def reset(self) -> None:
+        """Forget what it had planned: a drive begins, or somebody else has just moved the robot."""
+
+    def act(self, seen: Mapping[str, np.ndarray]) -> tuple[np.ndarray, dict[str, float]]:
         """The primary's action for an observation by column, and what the policies say beside it.
 
         Returns:
@@ -93,35 +96,22 @@ class Driver:
         Raises:
             ValueError: a column is missing, or of another shape or type.
         """
-        action, looked = self.act(seen)
-        return action, {"safe_probability": self.safe_probability(looked)} if self.safety else {}
-
-    def act(self, seen: Mapping[str, np.ndarray]) -> tuple[np.ndarray, Tensor]:
-        """The primary's action float32 [A], and what it looked at, for `safe_probability`.
-
-        Raises:
-            ValueError: as `propose`.
-        """
         for name, feature in self.primary.seen.items():
             kind, found = column_dtype(feature), seen.get(name)
             if found is None or (found.dtype, found.shape) != (kind, feature["shape"]):
                 what = "missing" if found is None else f"{found.dtype} {found.shape}"
                 raise ValueError(f"{name} is {what}, expected {kind} {feature['shape']}")
         with torch.inference_mode():
-            batch = {name: torch.tensor(seen[name])[None] for name in self.primary.seen}
-            looked = self.primary.look(batch)
-            return self.primary.act(looked)[0].numpy(), looked
+            looked = self.primary.look(
+                {name: torch.tensor(seen[name])[None] for name in self.primary.seen}
+            )
+            return self.primary.act(looked)[0].numpy(), self._signals(looked)
 
-    def safe_probability(self, looked: Tensor) -> float:
-        """The probability [0, 1] that the primary is safe (Eq. 2), from `act`'s second result.
-
-        Raises:
-            ValueError: there is no safety policy.
-        """
+    def _signals(self, looked: Tensor) -> dict[str, float]:
+        """What the safety policy says of what the primary looked at (Eq. 2)."""
         if self.safety is None:
-            raise ValueError("this driver has no safety policy, expected one")
-        with torch.inference_mode():
-            return float(self.safety(looked).softmax(1)[0, 1])
+            return {}
+        return {"safe_probability": float(self.safety(looked).softmax(1)[0, 1])}
 
 
 def propose(

@@ -59,7 +59,8 @@ def drive(
 
     Args:
         env: is reset with `seed`, and left open.
-        driver: the policies; None where only the reference drives.
+        driver: the policies; None where only the reference drives. It is reset when the drive begins,
+            and after each frame in which the reference drove: what it planned before is of no use.
         rule: who drives; `rng` is its own.
         seed: of the drive.
         rng: of the rule.
@@ -70,6 +71,8 @@ def drive(
         ValueError: the primary's action is NaN or infinite.
     """
     rule.begin(rng)
+    if driver is not None:
+        driver.reset()
     observation, info = env.reset(seed=seed)
     unknown = np.full(env.action_space.shape or (), np.nan, np.float32)
     over = False
@@ -86,6 +89,8 @@ def drive(
         action = label if decision.reference_drives else primary_action
         observation, _, terminated, truncated, info = env.step(action)
         over = terminated or truncated
+        if driver is not None and decision.reference_drives:
+            driver.reset()
         yield Frame(
             seen,
             hidden,
@@ -105,7 +110,7 @@ def _consult(
     """The primary's action and what the policies say beside it; NaN where there is no primary."""
     if driver is None:
         return unknown, {}
-    action, signals = driver.propose(seen)
+    action, signals = driver.act(seen)
     if not np.isfinite(action).all():
         raise ValueError(f"the primary's action is {action}, expected finite numbers")
     return action, signals

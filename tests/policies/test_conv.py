@@ -74,9 +74,9 @@ def test_saved_it_is_the_same_here_and_to_lerobot(
     ConvLesson().policy(network).save_pretrained(tmp_path)
     loaded = load_primary(tmp_path)
     seen = {name: columns[name][7] for name in network.seen}
-    action, looked = Driver(loaded, bfloat16=False).act(seen)
+    action, _ = Driver(loaded, bfloat16=False).act(seen)
     np.testing.assert_array_equal(action, Driver(network, bfloat16=False).act(seen)[0])
-    assert looked.shape == (1, network.feature_size)
+    assert loaded.feature_size == network.feature_size
     assert get_policy_class("safedagger_conv") is ConvPolicy
     policy = ConvPolicy.from_pretrained(tmp_path)
     batch = {
@@ -94,7 +94,7 @@ def test_a_safety_policy_reads_what_it_looked_at(
     network: ConvActor, columns: dict[str, np.ndarray]
 ) -> None:
     driver = Driver(network, SafetyNetwork(network.feature_size, 4))
-    _, signals = driver.propose({name: columns[name][0] for name in network.seen})
+    _, signals = driver.act({name: columns[name][0] for name in network.seen})
     assert 0 <= signals["safe_probability"] <= 1
     with pytest.raises(ValueError, match="safety takes 7 numbers, expected the 98"):
         Driver(network, SafetyNetwork(7, 4))

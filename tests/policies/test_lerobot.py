@@ -81,8 +81,11 @@ def test_it_does_what_lerobots_own_code_does(act: Path) -> None:
     }
     with torch.no_grad():
         expected = after(policy.select_action(before(batch)))
-    action, looked = Driver.load(act).act(seen)
+    action, _ = Driver.load(act).act(seen)
     np.testing.assert_allclose(action, expected[0].numpy(), rtol=1e-5)
+    looked = load_primary(act).look(
+        {n: torch.from_numpy(column)[None] for n, column in seen.items()}
+    )
     assert looked.shape == (1, 32 + 1)
     # the features are what the first action is a linear function of
     head = policy.get_submodule("model.action_head")

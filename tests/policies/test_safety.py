@@ -2,11 +2,13 @@
 
 from pathlib import Path
 
+import numpy as np
 import pytest
 import torch
 import torch.nn.functional as F
 from lerobot.policies.factory import get_policy_class, make_pre_post_processors
 
+from pipeline.driving.features import CAMERA
 from pipeline.driving.network import PrimaryNetwork
 from pipeline.driving.policy import PrimaryConfig, PrimaryPolicy
 from pipeline.policies.inference import Driver
@@ -75,7 +77,8 @@ def test_the_driver_takes_it_with_its_own_primary_alone(tmp_path: Path):
     watched = weights_sha256(tmp_path / "primary_0")
     biased(-4, primary_sha256=watched).save_pretrained(tmp_path / "safety_0")
     driver = Driver.load(tmp_path / "primary_0", tmp_path / "safety_0")
-    assert driver.safe_probability(torch.rand(1, 4, 4, 10)) < 0.1
+    image = np.random.default_rng(0).integers(0, 256, (72, 160, 3), np.uint8)
+    assert driver.act({CAMERA: image})[1]["safe_probability"] < 0.1
     with pytest.raises(ValueError, match="safety_0: was trained to watch another primary than"):
         Driver.load(tmp_path / "primary_1", tmp_path / "safety_0")
 

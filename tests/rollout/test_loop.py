@@ -1,6 +1,6 @@
 """The closed loop with the reference at the wheel; test_inference.py has the networks."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from typing import Any
 
 import numpy as np
@@ -173,6 +173,29 @@ def test_the_reference_is_asked_as_often_as_the_ledger_will_count(
     assert env.look_ups == asking.looked_up == looked_up
     known = sum(bool(np.isfinite(frame.reference_action).all()) for frame in frames)
     assert known == (len(frames) if measure or rule.looks_up else asked)
+
+
+class Counting(Driver):
+    """Its action is how often it has acted since it was reset."""
+
+    def reset(self) -> None:
+        self.acted = 0
+
+    def act(self, seen: Mapping[str, np.ndarray]) -> tuple[np.ndarray, dict[str, float]]:
+        self.acted += 1
+        return np.full(2, self.acted, np.float32), {}
+
+
+def test_the_policy_is_reset_before_a_drive_and_after_each_frame_of_the_references() -> None:
+    """What it had planned was for a robot that nobody else has moved."""
+    policy = Counting(PrimaryNetwork(2))
+    for _ in range(2):
+        frames = [frame for _, frame in driven(plan(Mixture(0.4), seconds=2.0, seed=(0,)), policy)]
+        assert len({frame.intervention for frame in frames}) == 2
+        expected = 1
+        for frame in frames:
+            assert frame.primary_action.tolist() == [expected, expected]
+            expected = 1 if frame.intervention else expected + 1
 
 
 def test_a_reference_that_cannot_be_looked_up_is_not() -> None:
