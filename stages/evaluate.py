@@ -30,6 +30,7 @@ def evaluate(
     seed: options.Seed,
     workers: options.Workers,
     cut: options.Cut = None,
+    hold: options.Hold = None,
 ) -> None:
     """Evaluate policies by driving strategies (Section 4.4)."""
     from dataclasses import asdict
@@ -48,7 +49,7 @@ def evaluate(
     from pipeline.rollout.workers import in_order
 
     check_place(drives, metrics)
-    driver = Driver.load(primary, safety)
+    driver = Driver.load(primary, safety, hold=hold or 1)
     driver.check_task(task.name, task.features)
     judgement = Judgement.read(safety, cut)
     rules = [judgement.rule(parse_driving(name)) for name in options.names(strategies)]

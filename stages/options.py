@@ -55,6 +55,13 @@ Cut = Annotated[
         help="A frame is unsafe below this safe probability; by default the safety policy's own.",
     ),
 ]
+Hold = Annotated[
+    int | None,
+    typer.Option(
+        min=1,
+        help="Of a primary that plans a chunk of actions: do so many of it before the next; 1.",
+    ),
+]
 Metrics = Annotated[
     Path, typer.Option(help="Where to write what was measured (JSON). It must not exist.")
 ]

@@ -35,6 +35,7 @@ def rollout(
     seed: options.Seed,
     workers: options.Workers,
     cut: options.Cut = None,
+    hold: options.Hold = None,
 ) -> None:
     """Drive by the safe strategy, keep all (D', line 6)."""
     import numpy as np
@@ -56,7 +57,7 @@ def rollout(
     drives = record_all(
         task,
         judgement.rule(Strategy.SAFE),
-        Driver.load(primary, safety),
+        Driver.load(primary, safety, hold=hold or 1),
         count(),
         seed=(seed, SEED_STREAMS["rollout"] + iteration),
         iteration=iteration,

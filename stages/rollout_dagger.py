@@ -28,6 +28,7 @@ def rollout_dagger(
     iteration: Annotated[int, typer.Option(min=1, help="The iteration that this is for.")],
     seed: options.Seed,
     workers: options.Workers,
+    hold: options.Hold = None,
 ) -> None:
     """Drive with DAgger's mixture, all labelled (Section 2.6)."""
     from pipeline.data.lineage import Recipe
@@ -42,7 +43,7 @@ def rollout_dagger(
     drives = record_all(
         task,
         Mixture(beta),
-        Driver.load(primary),
+        Driver.load(primary, hold=hold or 1),
         count(),
         seed=(seed, SEED_STREAMS["rollout"] + iteration),
         iteration=iteration,

@@ -5,6 +5,7 @@ A of the numbers in an action and F of those that a safety policy reads.
 """
 
 import copy
+from collections import deque
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Self
@@ -29,17 +30,19 @@ _PROPOSED = 32
 
 
 class Driver:
-    """A primary policy and, where there is one, its safety policy, ready to drive.
+    """A primary policy and, where there is one, its safety policy, ready to drive one robot.
 
     It can be pickled. The networks are copies: training the originals further changes nothing here.
 
     Args:
         primary: a trained primary network.
         safety: the safety network that was trained on what this primary looked at.
+        hold: how many actions of a chunk are done, a frame each, before the next one is planned. The
+            policies look at each frame nevertheless: the safety policy judges what is done there.
         bfloat16: whether the convolutions may compute in bfloat16, on processors that can.
 
     Raises:
-        ValueError: `safety` does not fit the primary.
+        ValueError: `safety` does not fit the primary, or its chunk is shorter than `hold`.
     """
 
     def __init__(
@@ -47,8 +50,15 @@ class Driver:
         primary: Actor,
         safety: SafetyNetwork | None = None,
         *,
+        hold: int = 1,
         bfloat16: bool = True,
     ) -> None:
+        if hold < 1:
+            raise ValueError(f"hold is {hold}, expected at least 1")
+        if hold > primary.chunk:
+            raise ValueError(
+                f"hold is {hold}, expected at most {primary.chunk}: the chunk of this primary"
+            )
         size = primary.feature_size
         if safety is not None and safety.in_features != size:
             raise ValueError(
@@ -56,21 +66,25 @@ class Driver:
             )
         self.primary = _ready(primary, bfloat16)
         self.safety = copy.deepcopy(safety).eval() if safety is not None else None
+        self.hold = hold
+        self._planned: deque[Tensor] = deque()
 
     @classmethod
-    def load(cls, primary: Path, safety: Path | None = None, *, bfloat16: bool = True) -> Self:
+    def load(
+        cls, primary: Path, safety: Path | None = None, *, hold: int = 1, bfloat16: bool = True
+    ) -> Self:
         """The policies saved in two directories, such as models/primary_0 and models/safety_0.
 
         Raises:
             ValueError: files are missing, of another kind of policy, or do not fit; `safety` watches
-                another primary.
+                another primary; or as `Driver`.
         """
         if safety is not None:
             check_pair(primary, safety)
         if safety is None:
-            return cls(load_primary(primary), bfloat16=bfloat16)
+            return cls(load_primary(primary), hold=hold, bfloat16=bfloat16)
         watched = load_primary(primary, read_config(safety, SAFETY_TYPE).text("features_of"))
-        return cls(watched, load_safety(safety), bfloat16=bfloat16)
+        return cls(watched, load_safety(safety), hold=hold, bfloat16=bfloat16)
 
     def check_task(self, name: str, features: Mapping[str, Feature]) -> None:
         """Check that a task with these columns shows what the primary sees, and does what it does.
@@ -86,6 +100,7 @@ class Driver:
 
     def reset(self) -> None:
         """Forget what it had planned: a drive begins, or somebody else has just moved the robot."""
+        self._planned.clear()
 
     def act(self, seen: Mapping[str, np.ndarray]) -> tuple[np.ndarray, dict[str, float]]:
         """The primary's action for an observation by column, and what the policies say beside it.
@@ -102,10 +117,14 @@ class Driver:
                 what = "missing" if found is None else f"{found.dtype} {found.shape}"
                 raise ValueError(f"{name} is {what}, expected {kind} {feature['shape']}")
         with torch.inference_mode():
-            looked = self.primary.look(
-                {name: torch.tensor(seen[name])[None] for name in self.primary.seen}
-            )
-            return self.primary.act(looked)[0].numpy(), self._signals(looked)
+            batch = {name: torch.tensor(seen[name])[None] for name in self.primary.seen}
+            if self._planned:
+                looked = self.primary.look(batch)
+            else:
+                looked, planned = self.primary.plan(batch, self.hold)
+                self._planned.extend(planned[0])
+            action = self._planned.popleft()
+            return action.numpy(), self._signals(self.primary.doing(looked, action[None]))
 
     def _signals(self, looked: Tensor) -> dict[str, float]:
         """What the safety policy says of what the primary looked at (Eq. 2)."""

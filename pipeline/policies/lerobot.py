@@ -1,7 +1,8 @@
 """Any policy of LeRobot's as a primary: from its registry, with its processors.
 
-A chunk is asked for anew at each frame, and its first action is what the policy does now. So only
-policies that need no history can drive: ACT can, diffusion cannot. B is the batch.
+It looks at each frame by itself, so only policies that need no history can drive: ACT can, diffusion
+cannot. Of the chunk that it predicts, the first action is what it does now; whoever holds the others
+for the frames to come does so by `plan`. B is the batch.
 """
 
 from __future__ import annotations
@@ -58,7 +59,8 @@ class LeRobotActor(Actor):
         empty = {n: torch.zeros(1, *of["shape"]) for n, of in self.seen.items()}
         for name in pictures(self.seen):
             empty[name] = empty[name].to(torch.uint8)
-        self.feature_size = self.look(empty).shape[1]
+        features, chunk = self._predict(empty)
+        self.feature_size, self.chunk = features.shape[1] + self._numbers, chunk.shape[1]
 
     @classmethod
     def load(cls, directory: Path, features_of: str = "") -> Self:
@@ -84,9 +86,25 @@ class LeRobotActor(Actor):
             )
         return cls(policy.eval(), processors, module)
 
-    @torch.no_grad()
     def look(self, seen: Mapping[str, Tensor]) -> Tensor:
         """[B, F + A]: the input of the module for the first action, and that action."""
+        return self.plan(seen, 1)[0]
+
+    @torch.no_grad()
+    def plan(self, seen: Mapping[str, Tensor], length: int) -> tuple[Tensor, Tensor]:
+        """The result of `look`, and the first actions of the chunk, [B, length, A]."""
+        features, chunk = self._predict(seen)
+        # one by one, as LeRobot does: a processor expects actions [B, A]
+        actions = [self._after(chunk[:, n]).float().to(features.device) for n in range(length)]
+        return torch.cat([features, actions[0]], 1).cpu(), torch.stack(actions, 1).cpu()
+
+    def doing(self, looked: Tensor, action: Tensor) -> Tensor:
+        """With this action in the place of the first."""
+        return torch.cat([looked[:, : -self._numbers], action], 1)
+
+    @torch.no_grad()
+    def _predict(self, seen: Mapping[str, Tensor]) -> tuple[Tensor, Tensor]:
+        """The module's input for the first action, [B, F], and the chunk, as the policy gives it."""
         images = pictures(self.seen)
         batch = {n: to_float(seen[n]) if n in images else seen[n].float() for n in self.seen}
         read: list[Tensor] = []
@@ -96,9 +114,8 @@ class LeRobotActor(Actor):
             chunk = self.policy.predict_action_chunk(self._before(batch))
         finally:
             hook.remove()
-        action = self._after(chunk[:, 0])
         features = read[-1][:, 0] if read[-1].ndim == 3 else read[-1].flatten(1)
-        return torch.cat([features.float(), action.float().to(features.device)], 1).cpu()
+        return features.float(), chunk
 
     def act(self, looked: Tensor) -> Tensor:
         """[B, A], the last of what was looked at."""

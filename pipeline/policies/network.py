@@ -25,6 +25,8 @@ class Actor(nn.Module):
     """what it does"""
     feature_size: int
     """numbers that a safety policy reads of one frame"""
+    chunk: int = 1
+    """actions that it plans at a time, to be done one after the other, a frame each"""
 
     def look(self, seen: Mapping[str, Tensor]) -> Tensor:
         """What a safety policy reads, float [B, ...], of columns [B, ...]; images are uint8."""
@@ -33,6 +35,17 @@ class Actor(nn.Module):
     def act(self, looked: Tensor) -> Tensor:
         """Actions float32 [B, A], from the result of `look`."""
         raise NotImplementedError
+
+    def plan(self, seen: Mapping[str, Tensor], length: int) -> tuple[Tensor, Tensor]:
+        """The result of `look`, and the next `length` actions, at most `chunk`: [B, length, A]."""
+        looked = self.look(seen)
+        return looked, self.act(looked)[:, None]
+
+    def doing(self, looked: Tensor, action: Tensor) -> Tensor:
+        """What a safety policy reads where `action` [B, A] is done, which was planned earlier; here
+        what was `looked` at, since no action is in it.
+        """
+        return looked
 
     def convolutions(self) -> tuple[nn.Conv2d, ...]:
         """What may be computed in bfloat16, on processors that can."""

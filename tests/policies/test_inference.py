@@ -119,6 +119,14 @@ def test_an_image_of_another_kind_is_refused(primary, image):
         Driver(primary).act({CAMERA: image})
 
 
+@pytest.mark.parametrize(
+    ("hold", "expected"), [(5, "at most 1: the chunk of this primary"), (0, "at least 1")]
+)
+def test_what_plans_one_action_at_a_time_has_none_to_hold(primary, hold, expected):
+    with pytest.raises(ValueError, match=f"^hold is {hold}, expected {expected}$"):
+        Driver(primary, hold=hold)
+
+
 def test_a_safety_policy_of_another_primary_is_refused(primary):
     with pytest.raises(ValueError, match="safety takes 160 numbers, expected the 320"):
         Driver(primary, SafetyNetwork(160, 8))

@@ -11,11 +11,14 @@ from lerobot.policies.act.modeling_act import ACTPolicy
 from lerobot.policies.factory import make_pre_post_processors
 
 from pipeline.data.dataset import Dataset
+from pipeline.data.images import read_all
 from pipeline.driving.task import Driving
-from pipeline.policies.inference import Driver
+from pipeline.policies.inference import Driver, propose
 from pipeline.policies.lerobot import LeRobotActor
 from pipeline.policies.loading import load_primary
+from pipeline.policies.network import SafetyNetwork
 from pipeline.rollout.recording import record_all
+from pipeline.rollout.rules.mixture import Mixture
 from pipeline.rollout.rules.naive import Naive
 from tests.command import run
 from tests.stages.pendulum import Pendulum
@@ -61,28 +64,36 @@ def act(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return path
 
 
-def frame() -> dict[str, np.ndarray]:
-    rng = np.random.default_rng(0)
+def frame(seed: int = 0) -> dict[str, np.ndarray]:
+    rng = np.random.default_rng(seed)
     return {
         "observation.image": rng.integers(0, 256, (32, 32, 3), np.uint8),
         "observation.state": rng.random(3, np.float32),
     }
 
 
+def selected(act: Path, policy: ACTPolicy, frames: list[dict[str, np.ndarray]]) -> np.ndarray:
+    """What LeRobot's own code does in these frames, one after the other: [T, A]."""
+    before, after = make_pre_post_processors(policy.config, pretrained_path=str(act))
+    done = []
+    for seen in frames:
+        batch = {
+            "observation.image": torch.from_numpy(seen["observation.image"]).permute(2, 0, 1)[None]
+            / 255,
+            "observation.state": torch.from_numpy(seen["observation.state"])[None],
+        }
+        with torch.no_grad():
+            done.append(after(policy.select_action(before(batch)))[0].numpy())
+    return np.stack(done)
+
+
 def test_it_does_what_lerobots_own_code_does(act: Path) -> None:
     """Normalised before, brought back to the scale of the actions behind."""
     policy = ACTPolicy.from_pretrained(act).eval()
-    before, after = make_pre_post_processors(policy.config, pretrained_path=str(act))
     seen = frame()
-    batch = {
-        "observation.image": torch.from_numpy(seen["observation.image"]).permute(2, 0, 1)[None]
-        / 255,
-        "observation.state": torch.from_numpy(seen["observation.state"])[None],
-    }
-    with torch.no_grad():
-        expected = after(policy.select_action(before(batch)))
+    (expected,) = selected(act, policy, [seen])
     action, _ = Driver.load(act).act(seen)
-    np.testing.assert_allclose(action, expected[0].numpy(), rtol=1e-5)
+    np.testing.assert_allclose(action, expected, rtol=1e-5)
     looked = load_primary(act).look(
         {n: torch.from_numpy(column)[None] for n, column in seen.items()}
     )
@@ -101,6 +112,55 @@ def test_each_frame_is_asked_anew(act: Path) -> None:
     driver.act({**seen, "observation.state": seen["observation.state"] + 9})
     again, _ = driver.act(seen)
     np.testing.assert_array_equal(first, again)
+
+
+def test_a_chunk_is_held_as_lerobots_own_code_holds_it(act: Path) -> None:
+    policy = ACTPolicy.from_pretrained(act).eval()
+    policy.config.n_action_steps = 3
+    policy.reset()
+    frames = [frame(seed) for seed in range(7)]
+    anew, held = (
+        np.stack([driver.act(seen)[0] for seen in frames])
+        for driver in (Driver.load(act), Driver.load(act, hold=3))
+    )
+    np.testing.assert_allclose(held, selected(act, policy, frames), rtol=1e-5)
+    np.testing.assert_array_equal((held == anew)[:, 0], [n % 3 == 0 for n in range(7)])
+
+
+def test_the_safety_policy_sees_each_frame_and_the_action_that_is_done_in_it(act: Path) -> None:
+    actor = load_primary(act)
+    safety = SafetyNetwork(33, 4, generator=torch.Generator().manual_seed(0)).eval()
+    driver = Driver(actor, safety, hold=2)
+    driver.act(frame(0))
+    action, signals = driver.act(frame(1))
+    looked = actor.look({name: torch.from_numpy(of)[None] for name, of in frame(1).items()})
+    with torch.inference_mode():
+        fresh, held = (
+            float(safety(torch.cat([looked[:, :32], done], 1)).softmax(1)[0, 1])
+            for done in (looked[:, 32:], torch.from_numpy(action)[None])
+        )
+    assert signals == {"safe_probability": held} != {"safe_probability": fresh}
+
+
+def test_no_plan_outlives_a_frame_that_the_reference_drove(act: Path) -> None:
+    driver, world = Driver.load(act, hold=5), Pendulum(length=1.5)
+    (driven,) = record_all(world, Mixture(0.3), driver, [0], seed=(1,), iteration=1, workers=1)
+    columns = driven.episode.columns
+    anew, _ = propose(load_primary(act), columns)
+    expected, plan = [], 0
+    for drove in columns["intervention"][:, 0]:
+        expected.append(plan % 5 == 0)
+        plan = 0 if drove else plan + 1
+    assert 1 < sum(expected) < len(expected)
+    np.testing.assert_array_equal(
+        np.isclose(columns["primary_action"], anew, rtol=1e-5)[:, 0], expected
+    )
+
+
+def test_a_chunk_that_is_too_short_is_refused(act: Path) -> None:
+    problem = "^hold is 6, expected at most 5: the chunk of this primary$"
+    with pytest.raises(ValueError, match=problem):
+        Driver.load(act, hold=6)
 
 
 def test_a_task_that_does_not_show_what_it_sees_is_refused_before_a_drive(act: Path) -> None:
@@ -163,6 +223,10 @@ def test_a_safety_policy_watches_it_drive(
             *("rollout", act, "safety", "rollout_1", *TASK, "--queries", "9", "--frames", "20"),
             *("--iteration", "1", "--workers", "1", "--metrics", "r.json"),
         ),
+        (
+            *("rollout-dagger", act, "held", *TASK, "--beta", "0", "--frames", "20"),
+            *("--iteration", "1", "--workers", "1", "--hold", "3"),
+        ),
         ("select", "rollout_1", "new_1"),
         ("merge", "D_0", "new_1", "D_1"),
     ):
@@ -171,3 +235,10 @@ def test_a_safety_policy_watches_it_drive(
     assert np.isfinite(driven.columns(["primary_action"])["primary_action"]).all()
     assert np.isfinite(driven.column("safe_probability")).all()
     assert driven.lineage.parents[0].own.purpose == "foreign"
+    assert "hold" not in driven.lineage.own.arguments
+    held = Dataset.open(Path("held"))
+    assert held.lineage.own.arguments["hold"] == 3
+    anew, _ = propose(load_primary(act), read_all(held, ["observation.image", "observation.state"]))
+    same = np.isclose(held.columns(["primary_action"])["primary_action"], anew, rtol=1e-5)[:, 0]
+    first = held.column("source.frame") % 3 == 0
+    assert same[first].all() and not same[~first].any()

@@ -186,6 +186,13 @@ def test_the_second_primary_began_with_the_first(house: Path) -> None:
             ),
             "task driving: column 'observation.image' is missing, expected uint8 [32, 32, 3] by the primary",
         ),
+        (
+            (
+                *("rollout-dagger", "primary_1", "x", *TASK, "--beta", "0", "--frames", "9"),
+                *("--iteration", "2", "--workers", "1", "--hold", "5"),
+            ),
+            "hold is 5, expected at most 1: the chunk of this primary",
+        ),
         (("compare", "rollout_1", "rollout_1"), "'observation.images.front' is missing"),
     ],
 )
