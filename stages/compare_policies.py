@@ -23,6 +23,7 @@ def compare_policies(
     seed: options.Seed,
     record_every: options.RecordEvery = 3,
     cut: options.Cut = None,
+    device: options.Device = "cpu",
     save: options.Save = None,
     web: options.Web = False,
 ) -> None:
@@ -37,12 +38,13 @@ def compare_policies(
     from pipeline.inspection.pairs import Pair
     from pipeline.inspection.rerun_blueprints import pair_blueprint
     from pipeline.inspection.rerun_log import log_pair
+    from pipeline.policies.computing import find_device
     from pipeline.policies.inference import Driver
     from pipeline.rollout.judgement import Judgement
     from pipeline.rollout.plans import Plan
     from pipeline.rollout.strategies import parse_driving
 
-    how = parse_driving(strategy)
+    how, computes = parse_driving(strategy), find_device(device)
     task = Driving(
         tracks=track,
         traffic=traffic,
@@ -50,7 +52,7 @@ def compare_policies(
         seconds=seconds,
     )
     sides = [
-        (Driver.load(primary, safety), Judgement.read(safety, cut))
+        (Driver.load(primary, safety, device=computes), Judgement.read(safety, cut))
         for primary, safety in ((primary_a, safety_a), (primary_b, safety_b))
     ]
     fps = task.fps

@@ -24,6 +24,7 @@ def errors(
     ],
     figure: Annotated[Path, typer.Option(help="Where to draw the histograms (PNG).")],
     metrics: options.Metrics,
+    device: options.Device = "cpu",
 ) -> None:
     """Show how a primary's errors lie around tau (Figure 2)."""
     from pipeline.data.dataset import Dataset
@@ -33,10 +34,11 @@ def errors(
     from pipeline.learning.labels import LabelRule, threshold_for_share
     from pipeline.learning.safety import judge
     from pipeline.output import check_place, write_file
+    from pipeline.policies.computing import find_device
     from pipeline.policies.loading import load_primary
 
     check_place(figure, metrics)
-    network = load_primary(primary)
+    network = load_primary(primary, device=find_device(device))
     rule = LabelRule("steering", horizon=0.0, mode="last")
     deviations = {
         name: judge(network, Dataset.open(dataset), rule=rule).deviation

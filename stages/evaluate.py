@@ -31,6 +31,7 @@ def evaluate(
     workers: options.Workers,
     cut: options.Cut = None,
     hold: options.Hold = None,
+    device: options.Device = "cpu",
 ) -> None:
     """Evaluate policies by driving strategies (Section 4.4)."""
     from dataclasses import asdict
@@ -41,7 +42,7 @@ def evaluate(
     from pipeline.evaluation.summary import summarise
     from pipeline.evaluation.writing import write_metrics
     from pipeline.output import check_place
-    from pipeline.policies.computing import processor
+    from pipeline.policies.computing import find_device, processor
     from pipeline.policies.inference import Driver
     from pipeline.policies.loading import begun_with, weights_sha256
     from pipeline.rollout.judgement import Judgement
@@ -49,7 +50,7 @@ def evaluate(
     from pipeline.rollout.workers import in_order
 
     check_place(drives, metrics)
-    driver = Driver.load(primary, safety, hold=hold or 1)
+    driver = Driver.load(primary, safety, hold=hold or 1, device=find_device(device))
     driver.check_task(task.name, task.features)
     judgement = Judgement.read(safety, cut)
     rules = [judgement.rule(parse_driving(name)) for name in options.names(strategies)]

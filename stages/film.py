@@ -23,6 +23,7 @@ def film(
     show_every: Annotated[int, typer.Option(min=1, help="Frames to a picture of the film.")],
     seed: options.Seed,
     cut: options.Cut = None,
+    device: options.Device = "cpu",
 ) -> None:
     """Drive, and write a film of it (GIF).
 
@@ -31,6 +32,7 @@ def film(
     from pipeline.driving.task import Driving
     from pipeline.inspection.film import gif, shoot
     from pipeline.output import check_place, write_file
+    from pipeline.policies.computing import find_device
     from pipeline.policies.inference import Driver
     from pipeline.rollout.judgement import Judgement
     from pipeline.rollout.plans import SEED_STREAMS, Plan
@@ -39,7 +41,7 @@ def film(
     check_place(output)
     if output.suffix != ".gif":
         raise ValueError(f"{output}: expected a name that ends in .gif")
-    driver = Driver.load(primary, safety)
+    driver = Driver.load(primary, safety, device=find_device(device))
     task = Driving(
         tracks=track,
         traffic=traffic,

@@ -68,6 +68,12 @@ Metrics = Annotated[
 Seed = Annotated[
     int, typer.Option(min=0, help="Of every random choice: equal seeds give equal bytes.")
 ]
+Device = Annotated[
+    str,
+    typer.Option(
+        help="Where networks compute: cpu, cuda, cuda:1, mps. Another may give other last bits."
+    ),
+]
 Workers = Annotated[int, typer.Option(min=1, help="Processes. The result does not depend on it.")]
 
 Save = Annotated[
@@ -177,12 +183,12 @@ def _with_settings(
 
 
 def arguments(context: typer.Context) -> dict[str, Any]:
-    """What a command was given that decides what it makes: no paths, no workers."""
+    """What a command was given that decides what it makes: no paths, workers or device."""
     return {
         # JSON knows no infinity: no limit at all
         name: str(value) if isinstance(value, StrEnum) or value == math.inf else value
         for name, value in context.params.items()
-        if value is not None and not isinstance(value, Path) and name != "workers"
+        if value is not None and not isinstance(value, Path) and name not in ("workers", "device")
     }
 
 

@@ -36,6 +36,7 @@ def rollout(
     workers: options.Workers,
     cut: options.Cut = None,
     hold: options.Hold = None,
+    device: options.Device = "cpu",
 ) -> None:
     """Drive by the safe strategy, keep all (D', line 6)."""
     import numpy as np
@@ -45,6 +46,7 @@ def rollout(
     from pipeline.learning.labels import LabelRule
     from pipeline.learning.quality import detection_quality
     from pipeline.output import check_place
+    from pipeline.policies.computing import find_device
     from pipeline.policies.inference import Driver
     from pipeline.policies.loading import policy_lineage, read_labels
     from pipeline.rollout.judgement import Judgement
@@ -53,11 +55,12 @@ def rollout(
     from pipeline.rollout.strategies import Strategy
 
     check_place(output, metrics)
+    computes = find_device(device)
     judgement = Judgement.read(safety, cut)
     drives = record_all(
         task,
         judgement.rule(Strategy.SAFE),
-        Driver.load(primary, safety, hold=hold or 1),
+        Driver.load(primary, safety, hold=hold or 1, device=computes),
         count(),
         seed=(seed, SEED_STREAMS["rollout"] + iteration),
         iteration=iteration,

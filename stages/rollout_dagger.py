@@ -29,10 +29,12 @@ def rollout_dagger(
     seed: options.Seed,
     workers: options.Workers,
     hold: options.Hold = None,
+    device: options.Device = "cpu",
 ) -> None:
     """Drive with DAgger's mixture, all labelled (Section 2.6)."""
     from pipeline.data.lineage import Recipe
     from pipeline.output import check_place
+    from pipeline.policies.computing import find_device
     from pipeline.policies.inference import Driver
     from pipeline.policies.loading import policy_lineage
     from pipeline.rollout.plans import SEED_STREAMS
@@ -43,7 +45,7 @@ def rollout_dagger(
     drives = record_all(
         task,
         Mixture(beta),
-        Driver.load(primary, hold=hold or 1),
+        Driver.load(primary, hold=hold or 1, device=find_device(device)),
         count(),
         seed=(seed, SEED_STREAMS["rollout"] + iteration),
         iteration=iteration,

@@ -32,6 +32,7 @@ def train_primary(
     initial: Annotated[
         Path | None, typer.Option(help="A primary policy to start from, else from scratch.")
     ] = None,
+    device: options.Device = "cpu",
 ) -> None:
     """Train a primary to imitate the reference (lines 3, 9)."""
     from pipeline.data.dataset import Dataset
@@ -41,8 +42,10 @@ def train_primary(
     from pipeline.learning.settings import Optimisation
     from pipeline.learning.training import train_primary as train
     from pipeline.output import new_directory
+    from pipeline.policies.computing import find_device
     from pipeline.policies.loading import load_primary, policy_lineage, weights_sha256
 
+    computes = find_device(device)
     settings = Optimisation(
         optimizer=optimizer.value,
         learning_rate=learning_rate,
@@ -68,6 +71,7 @@ def train_primary(
                 learned.episode_index,
                 settings,
                 initial=start,
+                device=computes,
                 on_epoch=lambda epoch, epochs, metrics: advance_to(metrics["passes"]),
             )
         policy.policy(network).save_pretrained(folder)

@@ -63,6 +63,7 @@ def train_safety(
         str,
         typer.Option(help="Of a primary of LeRobot's: the module whose input it reads."),
     ] = "",
+    device: options.Device = "cpu",
 ) -> None:
     """Train a primary's safety policy (lines 4 and 10).
 
@@ -83,10 +84,12 @@ def train_safety(
     from pipeline.learning.training import safe_probabilities
     from pipeline.learning.training import train_safety as train
     from pipeline.output import check_place, new_directory
+    from pipeline.policies.computing import find_device
     from pipeline.policies.loading import load_primary, policy_lineage, weights_sha256
     from pipeline.policies.safety import SafetyConfig, SafetyPolicy
 
     check_place(metrics)
+    computes = find_device(device)
     settings = SafetySettings(
         optimizer=optimizer.value,
         learning_rate=learning_rate,
@@ -100,7 +103,7 @@ def train_safety(
         hidden=hidden,
         balance=balance,
     )
-    network = load_primary(primary, features_of)
+    network = load_primary(primary, features_of, computes)
     config = SafetyConfig(
         primary_sha256=weights_sha256(primary),
         features_of=features_of,
@@ -131,6 +134,7 @@ def train_safety(
                 safe,
                 shown.episode_index,
                 settings,
+                device=computes,
                 on_epoch=lambda epoch, epochs, now: advance_to(now["passes"]),
             )
         SafetyPolicy(config, safety).save_pretrained(folder)

@@ -36,6 +36,7 @@ def watch(
     ] = None,
     record_every: options.RecordEvery = 3,
     cut: options.Cut = None,
+    device: options.Device = "cpu",
     save: options.Save = None,
     web: options.Web = False,
 ) -> None:
@@ -46,6 +47,7 @@ def watch(
     from pipeline.inspection.rerun_blueprints import live_blueprint
     from pipeline.inspection.rerun_camera import RAW
     from pipeline.inspection.rerun_log import drive_tracer, new_recording
+    from pipeline.policies.computing import find_device
     from pipeline.policies.inference import Driver
     from pipeline.rollout.judgement import Judgement
     from pipeline.rollout.plans import Plan
@@ -53,10 +55,11 @@ def watch(
     from pipeline.rollout.rules.rule import Rule
     from pipeline.rollout.strategies import Strategy
 
-    driver, judgement = None, None
+    computes, driver, judgement = find_device(device), None, None
     rule: Rule = Reference()
     if primary is not None and safety is not None:
-        driver, judgement = Driver.load(primary, safety), Judgement.read(safety, cut)
+        driver = Driver.load(primary, safety, device=computes)
+        judgement = Judgement.read(safety, cut)
         rule = judgement.rule(Strategy(strategy))
     elif primary is not None:
         raise typer.BadParameter(f"{primary} alone, expected its safety policy after it")

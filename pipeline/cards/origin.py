@@ -23,7 +23,7 @@ def shown(made: Made) -> str:
             lines.append("   ")
         lines[-1] += f" {part}"
     typed = " \\\n".join(lines)
-    return f"The command, with all its parameters, less paths and workers:\n\n```sh\n{typed}\n```"
+    return f"The command, with all its parameters, less paths, workers and device:\n\n```sh\n{typed}\n```"
 
 
 def _options(arguments: Mapping[str, Any]) -> list[str]:

@@ -35,7 +35,8 @@ def fit(
     """Fit `network` in place and return the metrics of the epoch whose weights it has.
 
     Args:
-        network: left in evaluation mode, with its last (`adamw`) or its best (`sgd`) weights.
+        network: on any device; left in evaluation mode, with its last (`adamw`) or its best (`sgd`)
+            weights.
         rows: int [N], numbers of the training examples.
         loss_of: the mean loss of the examples with these numbers.
         validate: metrics of held-out examples; `sgd` needs "validation_loss" among them.
@@ -47,12 +48,12 @@ def fit(
     """
     epochs = math.ceil(settings.passes / len(rows))
     plan: _Plan = (_Plateau if settings.optimizer == "sgd" else _Cycle)(network, settings, rows)
-    passes = 0
+    passes, device = 0, next(network.parameters()).device
     for epoch in range(1, epochs + 1):
         order = rows[torch.randperm(len(rows), generator=generator).numpy()]
         order = order[: settings.passes - passes]
         network.train()
-        total = torch.zeros(())
+        total = torch.zeros((), device=device)
         for start in range(0, len(order), settings.batch):
             batch = order[start : start + settings.batch]
             plan.optimizer.zero_grad()

@@ -16,7 +16,7 @@ from pipeline.data.schema import Feature, column_dtype
 from pipeline.learning.augmentation import jitter
 from pipeline.learning.fitting import Metrics, OnEpoch, fit, split_episodes
 from pipeline.learning.settings import Optimisation, SafetySettings
-from pipeline.policies.computing import computing
+from pipeline.policies.computing import CPU, computing
 from pipeline.policies.lesson import Lesson
 from pipeline.policies.network import ConvNetwork, SafetyNetwork, has_bfloat16, to_float
 
@@ -35,6 +35,7 @@ def train_primary(
     settings: Optimisation,
     *,
     initial: Mapping[str, Tensor] | None = None,
+    device: torch.device = CPU,
     on_epoch: OnEpoch | None = None,
 ) -> tuple[ConvNetwork, Metrics]:
     """Train a primary policy to imitate the reference (Eq. 1).
@@ -46,11 +47,13 @@ def train_primary(
         episode_index: int [N]; frames of the same one are held out together.
         settings: see `Optimisation`.
         initial: the `state_dict` of such a network to begin with; None begins from scratch.
+        device: that computes. The processor draws and augments, so that chance is the same on all.
         on_epoch: told the metrics after each epoch.
 
     Returns:
-        The network in evaluation mode, and metrics: "epoch", "passes", "loss" (of training), and
-        with held-out frames "validation_loss" and its unweighted parts, by the lesson's names.
+        The network in evaluation mode, on the CPU, and metrics: "epoch", "passes", "loss" (of
+        training), and with held-out frames "validation_loss" and its unweighted parts, by the
+        lesson's names.
 
     Raises:
         ValueError: arrays of the wrong shape, type or length, or `initial` of another network.
@@ -68,11 +71,14 @@ def train_primary(
     network = lesson.network(features, columns, generator)
     if initial is not None:
         _begin_with(network, initial)
+    network.to(device)
+    bfloat16 = settings.bfloat16 and has_bfloat16(device)
 
-    def losses(bright: Tensor, batch: Batch) -> tuple[Tensor, dict[str, Tensor]]:
-        with torch.autocast("cpu", torch.bfloat16, settings.bfloat16 and has_bfloat16()):
-            seen = network.features(bright)
-        return lesson.loss(network, network.join(seen.float(), batch), batch)
+    def losses(bright: Tensor, shown: Batch) -> tuple[Tensor, dict[str, Tensor]]:
+        moved = {name: column.to(device) for name, column in shown.items()}
+        with torch.autocast(device.type, torch.bfloat16, bfloat16):
+            seen = network.features(bright.to(device))
+        return lesson.loss(network, network.join(seen.float(), moved), moved)
 
     def batch(numbers: np.ndarray) -> Batch:
         return {name: torch.from_numpy(columns[name][numbers]) for name in features}
@@ -104,7 +110,7 @@ def train_primary(
             generator=generator,
             on_epoch=on_epoch,
         )
-    return network, metrics
+    return network.cpu(), metrics
 
 
 def train_safety(
@@ -113,6 +119,7 @@ def train_safety(
     episode_index: np.ndarray,
     settings: SafetySettings,
     *,
+    device: torch.device = CPU,
     on_epoch: OnEpoch | None = None,
 ) -> tuple[SafetyNetwork, Metrics]:
     """Train a safety policy to tell safe from unsafe frames (Eq. 4), from the primary's Conv5.
@@ -122,11 +129,13 @@ def train_safety(
         safe: bool [N], Eq. 2: True where the primary deviates by no more than the threshold.
         episode_index: int [N]; frames of the same one are held out together.
         settings: see `SafetySettings`.
+        device: as for `train_primary`.
         on_epoch: told the metrics after each epoch.
 
     Returns:
-        The network in evaluation mode, and metrics: "epoch", "passes", "loss" (of training), and
-        with held-out frames "validation_loss". Both losses have the class weights in them.
+        The network in evaluation mode, on the CPU, and metrics: "epoch", "passes", "loss" (of
+        training), and with held-out frames "validation_loss". Both losses have the class weights
+        in them.
 
     Raises:
         ValueError: arrays of the wrong shape, type or length.
@@ -140,10 +149,12 @@ def train_safety(
     rng = np.random.default_rng(settings.seed)
     rows, held_out = split_episodes(episode_index, settings.validation, rng)
     network = SafetyNetwork(features.shape[1], settings.hidden, generator=generator)
-    weights = class_weights(safe[rows], settings.balance)
+    network.to(device)
+    weights = class_weights(safe[rows], settings.balance).to(device)
 
     def loss_of(numbers: np.ndarray) -> Tensor:
-        seen, labels = torch.from_numpy(features[numbers]), torch.from_numpy(safe[numbers]).long()
+        seen = torch.from_numpy(features[numbers]).to(device)
+        labels = torch.from_numpy(safe[numbers]).long().to(device)
         each = F.cross_entropy(network(seen), labels, reduction="none")
         return (each * weights[labels]).mean()
 
@@ -164,7 +175,7 @@ def train_safety(
             generator=generator,
             on_epoch=on_epoch,
         )
-    return network, metrics
+    return network.cpu(), metrics
 
 
 @torch.inference_mode()

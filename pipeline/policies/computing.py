@@ -1,4 +1,4 @@
-"""The machine while it computes many batches: threads, and memory that is kept."""
+"""The machine that computes: its devices; threads, and memory that is kept over many batches."""
 
 import ctypes
 import platform
@@ -10,9 +10,29 @@ from pathlib import Path
 
 import torch
 
+CPU = torch.device("cpu")
+
 # Of glibc's mallopt(3), and its defaults.
 _TRIM_THRESHOLD, _TRIM_DEFAULT = -1, 128 * 1024
 _MMAP_MAX, _MMAP_DEFAULT = -4, 65536
+
+
+def find_device(name: str) -> torch.device:
+    """The device of this name, as PyTorch names them: "cpu", "cuda", "cuda:1", "mps".
+
+    Raises:
+        ValueError: this machine has none of this name.
+    """
+    found = ["cpu"]
+    accelerator = torch.accelerator.current_accelerator(check_available=True)
+    if accelerator is not None:
+        kind, count = accelerator.type, torch.accelerator.device_count()
+        found += [kind, *(f"{kind}:{number}" for number in range(count))]
+    if name not in found:
+        raise ValueError(
+            f"device is {name!r}, expected one that this machine has: {', '.join(found)}"
+        )
+    return torch.device(name)
 
 
 @contextmanager

@@ -15,7 +15,7 @@ import torch
 from torch import Tensor
 
 from pipeline.data.schema import Feature, check_features, column_dtype
-from pipeline.policies.computing import computing
+from pipeline.policies.computing import CPU, computing
 from pipeline.policies.loading import (
     SAFETY_TYPE,
     check_pair,
@@ -33,6 +33,7 @@ class Driver:
     """A primary policy and, where there is one, its safety policy, ready to drive one robot.
 
     It can be pickled. The networks are copies: training the originals further changes nothing here.
+    They compute on the primary's device; what comes and goes is in the processor's memory.
 
     Args:
         primary: a trained primary network.
@@ -65,25 +66,32 @@ class Driver:
                 f"safety takes {safety.in_features} numbers, expected the {size} of this primary"
             )
         self.primary = _ready(primary, bfloat16)
-        self.safety = copy.deepcopy(safety).eval() if safety is not None else None
+        self.safety = copy.deepcopy(safety).eval().to(primary.device) if safety else None
         self.hold = hold
         self._planned: deque[Tensor] = deque()
 
     @classmethod
     def load(
-        cls, primary: Path, safety: Path | None = None, *, hold: int = 1, bfloat16: bool = True
+        cls,
+        primary: Path,
+        safety: Path | None = None,
+        *,
+        hold: int = 1,
+        device: torch.device = CPU,
+        bfloat16: bool = True,
     ) -> Self:
-        """The policies saved in two directories, such as models/primary_0 and models/safety_0.
+        """The policies saved in two directories, such as models/primary_0 and models/safety_0, to
+        compute on `device`.
 
         Raises:
             ValueError: files are missing, of another kind of policy, or do not fit; `safety` watches
                 another primary; or as `Driver`.
         """
-        if safety is not None:
-            check_pair(primary, safety)
         if safety is None:
-            return cls(load_primary(primary), hold=hold, bfloat16=bfloat16)
-        watched = load_primary(primary, read_config(safety, SAFETY_TYPE).text("features_of"))
+            return cls(load_primary(primary, device=device), hold=hold, bfloat16=bfloat16)
+        check_pair(primary, safety)
+        features_of = read_config(safety, SAFETY_TYPE).text("features_of")
+        watched = load_primary(primary, features_of, device)
         return cls(watched, load_safety(safety), hold=hold, bfloat16=bfloat16)
 
     def check_task(self, name: str, features: Mapping[str, Feature]) -> None:
@@ -117,14 +125,15 @@ class Driver:
                 what = "missing" if found is None else f"{found.dtype} {found.shape}"
                 raise ValueError(f"{name} is {what}, expected {kind} {feature['shape']}")
         with torch.inference_mode():
-            batch = {name: torch.tensor(seen[name])[None] for name in self.primary.seen}
+            device = self.primary.device
+            batch = {n: torch.tensor(seen[n])[None].to(device) for n in self.primary.seen}
             if self._planned:
                 looked = self.primary.look(batch)
             else:
                 looked, planned = self.primary.plan(batch, self.hold)
                 self._planned.extend(planned[0])
             action = self._planned.popleft()
-            return action.numpy(), self._signals(self.primary.doing(looked, action[None]))
+            return action.cpu().numpy(), self._signals(self.primary.doing(looked, action[None]))
 
     def _signals(self, looked: Tensor) -> dict[str, float]:
         """What the safety policy says of what the primary looked at (Eq. 2)."""
@@ -139,7 +148,7 @@ def propose(
     """What a primary proposes for many frames, and what it looked at, in one pass.
 
     Args:
-        network: a trained primary network.
+        network: a trained primary network; its device computes.
         seen: by column [N, ...]; images are uint8 [N, H, W, 3].
         bfloat16: as for `Driver`.
 
@@ -153,9 +162,10 @@ def propose(
     with torch.inference_mode(), computing():
         for start in range(0, frames, _PROPOSED):
             rows = slice(start, start + _PROPOSED)
-            features = ready.look({name: torch.tensor(seen[name][rows]) for name in network.seen})
-            actions[rows] = ready.act(features).numpy()
-            looked[rows] = features.flatten(1).half().numpy()
+            batch = {n: torch.tensor(seen[n][rows]).to(network.device) for n in network.seen}
+            features = ready.look(batch)
+            actions[rows] = ready.act(features).cpu().numpy()
+            looked[rows] = features.flatten(1).half().cpu().numpy()
     return actions, looked
 
 
@@ -170,7 +180,7 @@ def _in_memory(features: Mapping[str, Feature]) -> dict[str, Feature]:
 def _ready(network: Actor, bfloat16: bool) -> Actor:
     """A copy to infer with; converted once here, not at each image as autocast would."""
     ready = copy.deepcopy(network).eval().requires_grad_(False)
-    if bfloat16 and has_bfloat16():
+    if bfloat16 and has_bfloat16(network.device):
         for convolution in ready.convolutions():
             convolution.to(torch.bfloat16)
     return ready

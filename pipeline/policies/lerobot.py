@@ -19,6 +19,7 @@ from lerobot.policies.pretrained import PreTrainedPolicy
 from torch import Tensor, nn
 
 from pipeline.data.schema import pictures
+from pipeline.policies.computing import CPU
 from pipeline.policies.loading import feature
 from pipeline.policies.network import Actor, to_float
 
@@ -56,15 +57,15 @@ class LeRobotActor(Actor):
         self.seen = {name: feature(of.type.name, of.shape) for name, of in inputs.items()}
         self.action = feature("ACTION", outputs["action"].shape)
         self._numbers = int(self.action["shape"][0])
-        empty = {n: torch.zeros(1, *of["shape"]) for n, of in self.seen.items()}
+        empty = {n: torch.zeros(1, *of["shape"], device=self.device) for n, of in self.seen.items()}
         for name in pictures(self.seen):
             empty[name] = empty[name].to(torch.uint8)
         features, chunk = self._predict(empty)
         self.feature_size, self.chunk = features.shape[1] + self._numbers, chunk.shape[1]
 
     @classmethod
-    def load(cls, directory: Path, features_of: str = "") -> Self:
-        """The policy saved in a directory.
+    def load(cls, directory: Path, features_of: str = "", device: torch.device = CPU) -> Self:
+        """The policy saved in a directory, on a device, whichever it was trained on.
 
         Raises:
             ValueError: LeRobot knows no such type, files are missing or do not fit, or nobody says
@@ -72,9 +73,14 @@ class LeRobotActor(Actor):
         """
         try:
             config = PreTrainedConfig.from_pretrained(directory)
+            config.device = str(device)
             with redirect_stdout(None):  # it prints that it loads
                 policy = get_policy_class(config.type).from_pretrained(directory, config=config)
-            processors = make_pre_post_processors(config, pretrained_path=str(directory))
+            processors = make_pre_post_processors(
+                config,
+                pretrained_path=str(directory),
+                preprocessor_overrides={"device_processor": {"device": config.device}},
+            )
         except Exception as error:  # LeRobot raises many kinds
             reason = " ".join(f"{type(error).__name__}: {error}".split())
             raise ValueError(f"{directory}: {reason}, expected a policy of LeRobot's") from None
@@ -96,7 +102,7 @@ class LeRobotActor(Actor):
         features, chunk = self._predict(seen)
         # one by one, as LeRobot does: a processor expects actions [B, A]
         actions = [self._after(chunk[:, n]).float().to(features.device) for n in range(length)]
-        return torch.cat([features, actions[0]], 1).cpu(), torch.stack(actions, 1).cpu()
+        return torch.cat([features, actions[0]], 1), torch.stack(actions, 1)
 
     def doing(self, looked: Tensor, action: Tensor) -> Tensor:
         """With this action in the place of the first."""

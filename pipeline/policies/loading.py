@@ -8,12 +8,14 @@ from pathlib import Path
 from types import UnionType
 from typing import Any
 
+import torch
 from safetensors import SafetensorError
 from safetensors.torch import load_file
 from torch import Tensor, nn
 
 from pipeline.data.lineage import Lineage
 from pipeline.data.schema import Feature
+from pipeline.policies.computing import CPU
 from pipeline.policies.network import Actor, ConvNetwork, SafetyNetwork
 from pipeline.registry import PRIMARIES, find
 
@@ -59,12 +61,13 @@ class Config:
         return found
 
 
-def load_primary(directory: Path, features_of: str = "") -> Actor:
+def load_primary(directory: Path, features_of: str = "", device: torch.device = CPU) -> Actor:
     """The primary in a policy's directory: ours, or whatever LeRobot's registry knows.
 
     Args:
         directory: with config.json, weights and, of LeRobot's, processors.
         features_of: of LeRobot's, the module whose input a safety policy reads; see `lerobot`.
+        device: where it is to compute.
 
     Raises:
         ValueError: something is missing or misfits.
@@ -73,10 +76,10 @@ def load_primary(directory: Path, features_of: str = "") -> Actor:
     if config.kind not in PRIMARIES:
         from pipeline.policies.lerobot import LeRobotActor  # imports LeRobot
 
-        return LeRobotActor.load(directory, features_of)
+        return LeRobotActor.load(directory, features_of, device)
     network: ConvNetwork = find("policy", config.kind, PRIMARIES).of(config)
     load_weights(network, directory)
-    return network
+    return network.to(device)
 
 
 def load_safety(directory: Path) -> SafetyNetwork:

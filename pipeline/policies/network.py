@@ -28,6 +28,11 @@ class Actor(nn.Module):
     chunk: int = 1
     """actions that it plans at a time, to be done one after the other, a frame each"""
 
+    @property
+    def device(self) -> torch.device:
+        """Where its weights are, and all that it takes and gives."""
+        return next(self.parameters()).device
+
     def look(self, seen: Mapping[str, Tensor]) -> Tensor:
         """What a safety policy reads, float [B, ...], of columns [B, ...]; images are uint8."""
         raise NotImplementedError
@@ -151,11 +156,14 @@ def feature_size(image_shape: tuple[int, int, int], channels: int) -> int:
     return 2 * channels * (height // 16) * (width // 16)
 
 
-def has_bfloat16() -> bool:
-    """Whether this processor computes in bfloat16 itself; emulated, it is slower than float32."""
+def has_bfloat16(device: torch.device) -> bool:
+    """Whether it is a processor that computes in bfloat16 itself; emulated, it is slower than float32.
+
+    A GPU is quick enough in float32.
+    """
     able = torch.cpu.get_capabilities()
     instructions = any(able.get(name, False) for name in ("avx512_bf16", "amx_bf16", "bf16"))
-    return instructions and torch.backends.mkldnn.is_available()
+    return device.type == "cpu" and instructions and torch.backends.mkldnn.is_available()
 
 
 def convolution(channels_in: int, channels_out: int, size: int) -> nn.Conv2d:

@@ -1,5 +1,6 @@
 """A policy of LeRobot's as the primary: ACT, small and untrained, in the world of a pendulum."""
 
+import shutil
 from pathlib import Path
 
 import numpy as np
@@ -13,6 +14,7 @@ from lerobot.policies.factory import make_pre_post_processors
 from pipeline.data.dataset import Dataset
 from pipeline.data.images import read_all
 from pipeline.driving.task import Driving
+from pipeline.policies.computing import find_device
 from pipeline.policies.inference import Driver, propose
 from pipeline.policies.lerobot import LeRobotActor
 from pipeline.policies.loading import load_primary
@@ -21,6 +23,7 @@ from pipeline.rollout.recording import record_all
 from pipeline.rollout.rules.mixture import Mixture
 from pipeline.rollout.rules.naive import Naive
 from tests.command import run
+from tests.devices import DEVICES
 from tests.stages.pendulum import Pendulum
 from tests.stages.test_another_world import FIT, SAFETY, TASK, collect
 
@@ -155,6 +158,26 @@ def test_no_plan_outlives_a_frame_that_the_reference_drove(act: Path) -> None:
     np.testing.assert_array_equal(
         np.isclose(columns["primary_action"], anew, rtol=1e-5)[:, 0], expected
     )
+
+
+@pytest.mark.parametrize("name", DEVICES)
+def test_it_drives_alike_on_each_device_whichever_it_was_trained_on(
+    act: Path, name: str, tmp_path: Path
+) -> None:
+    """A policy says in two of its files on which it was trained: here on a GPU."""
+    shutil.copytree(act, tmp_path / "act")
+    for file in ("config.json", "policy_preprocessor.json"):
+        text = (act / file).read_text()
+        assert text.count('"device": "cpu"') == 1
+        (tmp_path / "act" / file).write_text(text.replace('"device": "cpu"', '"device": "cuda"'))
+    expected, driver = (
+        Driver.load(path, hold=2, device=find_device(device))
+        for path, device in ((act, "cpu"), (tmp_path / "act", name))
+    )
+    assert driver.primary.device.type == name
+    for seed in range(3):
+        action, _ = driver.act(frame(seed))
+        np.testing.assert_allclose(action, expected.act(frame(seed))[0], rtol=1e-2)
 
 
 def test_a_chunk_that_is_too_short_is_refused(act: Path) -> None:
