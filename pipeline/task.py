@@ -1,7 +1,4 @@
-"""The seam to a world: what a robot sees and does there, who can be asked, what a drive comes to.
-
-In the shapes, N is the number of frames and A of the numbers in an action.
-"""
+"""The seam to a world: what a robot sees and does there, who can be asked, what a drive comes to."""
 
 from __future__ import annotations
 
@@ -10,15 +7,11 @@ from collections.abc import Mapping
 from dataclasses import dataclass, fields
 from typing import TYPE_CHECKING, Any, ClassVar, get_type_hints
 
-import numpy as np
-
 from pipeline.data.schema import Feature
 from pipeline.metric import DRIVEN, Metric
 from pipeline.registry import TASKS, find_subclass
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
     from pipeline.environment import Environment
 
 
@@ -43,7 +36,10 @@ class Task(ABC):
     robot: ClassVar[str]
     """LeRobot's `robot_type`"""
     features: ClassVar[Mapping[str, Feature]]
-    """all columns of its datasets: observations, core, hidden"""
+    """all columns of its datasets: observations, core, hidden; an action's numbers range from its
+    "low" to its "high", from -1 to 1 if it has none"""
+    measure: ClassVar[str] = "mean-square"
+    """epsilon of Sec. 3.1, how far two of its actions are apart: see `policies.measures`"""
     can_look_up: ClassVar[bool] = True
     """whether its reference answers for nothing: a rule in a simulator does, a person does not"""
     metrics: ClassVar[Mapping[str, Metric]] = DRIVEN
@@ -71,12 +67,6 @@ class Task(ABC):
     @abstractmethod
     def environment(self, scenario: str) -> Environment:
         """A new environment; `close` it."""
-
-    def deviation(self, proposed: NDArray, reference: NDArray) -> NDArray[np.float64]:
-        """Epsilon [N] of Sec. 3.1 between actions [N, A], NaN where one is; here the mean over the
-        numbers of an action of their squared differences.
-        """
-        return np.square(proposed.astype(np.float64) - reference).mean(axis=1)
 
 
 def load_task(name: str) -> type[Task]:

@@ -39,10 +39,10 @@ def errors(
 
     check_place(figure, metrics)
     network = load_primary(primary, device=find_device(device))
+    datasets = {"trained on": Dataset.open(trained), "held out": Dataset.open(held_out)}
     rule = LabelRule("steering", horizon=0.0, mode="last")
     deviations = {
-        name: judge(network, Dataset.open(dataset), rule=rule).deviation
-        for name, dataset in (("trained on", trained), ("held out", held_out))
+        name: judge(network, dataset, rule=rule).deviation for name, dataset in datasets.items()
     }
     summaries = {name: error_summary(found, tau) for name, found in deviations.items()}
     summaries["held out"]["tau_for_share"] = threshold_for_share(deviations["held out"], share)

@@ -86,6 +86,7 @@ def train_safety(
     from pipeline.output import check_place, new_directory
     from pipeline.policies.computing import find_device
     from pipeline.policies.loading import load_primary, policy_lineage, weights_sha256
+    from pipeline.policies.measures import half_range
     from pipeline.policies.safety import SafetyConfig, SafetyPolicy
 
     check_place(metrics)
@@ -104,6 +105,8 @@ def train_safety(
         balance=balance,
     )
     network = load_primary(primary, features_of, computes)
+    safe_data, own_data = Dataset.open(d_safe), Dataset.open(dataset)
+    half_ranges = half_range(safe_data.features.get("action", network.action))
     config = SafetyConfig(
         primary_sha256=weights_sha256(primary),
         features_of=features_of,
@@ -112,13 +115,13 @@ def train_safety(
         tau=tau,
         cut=cut,
         measure=measure,
+        half_range=half_ranges,
         horizon=horizon,
         horizon_mode=horizon_mode.value,
         balance=balance,
     )
-    rule = LabelRule(measure, horizon, horizon_mode.value)
+    rule = LabelRule(measure, horizon, horizon_mode.value, half_ranges)
     with new_directory(output) as folder:
-        safe_data, own_data = Dataset.open(d_safe), Dataset.open(dataset)
         refuse_shared(own_data, safe_data)
         judged = partial(judge, network, rule=rule)
         unseen = judged(safe_data)

@@ -12,7 +12,13 @@ from pipeline.data.schema import OWN, Asked, Episode
 from pipeline.data.writing import write_dataset
 from pipeline.driving.features import ACTIONS, CAMERA, FEATURES, IMAGE_SHAPE, ROBOT_TYPE
 
-LABELS = {"tau": 0.0025, "measure": "steering", "horizon": 0.0, "horizon_mode": "last"}
+LABELS = {
+    "tau": 0.0025,
+    "measure": "steering",
+    "half_range": [1.0, 0.5],
+    "horizon": 0.0,
+    "horizon_mode": "last",
+}
 JUDGED = {"cut": 0.5, "labels": LABELS}
 """What a rollout's lineage says of its safety policy; a random episode is driven with this cut."""
 

@@ -14,7 +14,14 @@ import numpy as np
 from gymnasium.spaces import Box, Dict
 from numpy.typing import NDArray
 
-from pipeline.driving.features import CONTROL_HZ, IMAGE_SHAPE, STANDSTILL, check_record_every
+from pipeline.driving.features import (
+    CONTROL_HZ,
+    HIGH,
+    IMAGE_SHAPE,
+    LOW,
+    STANDSTILL,
+    check_record_every,
+)
 from pipeline.driving.reference import reference_actions
 from pipeline.driving.tracks import make_track
 from pipeline.driving.traffic import check_room
@@ -67,7 +74,7 @@ class DrivingEnv(Environment):
         self.observation_space = Dict(
             {"pixels": Dict({"front": Box(0, 255, IMAGE_SHAPE, np.uint8)})}
         )
-        self.action_space = Box(np.array([-1, 0], np.float32), np.array([1, 1], np.float32))
+        self.action_space = Box(np.array(LOW, np.float32), np.array(HIGH, np.float32))
         self.render_mode = render_mode
         self.metadata = {**self.metadata, "render_fps": check_record_every(record_every)}
         self._track = make_track(track)

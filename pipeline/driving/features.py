@@ -13,6 +13,7 @@ CAMERA = "observation.images.front"
 IMAGE_SHAPE = (72, 160, 3)
 ACTIONS = ("steering", "brake")
 """Steering [-1, 1], 1 being full lock to the left, and brake {0, 1}."""
+LOW, HIGH = [-1.0, 0.0], [1.0, 1.0]
 AFFORDANCES = (
     "lane_left",
     "lane_right",
@@ -36,7 +37,7 @@ def _vector(names: tuple[str, ...]) -> Feature:
 
 FEATURES: dict[str, Feature] = {
     CAMERA: {"dtype": "image", "shape": IMAGE_SHAPE, "names": ["height", "width", "channel"]},
-    **core_features(_vector(ACTIONS)),
+    **core_features({**_vector(ACTIONS), "low": LOW, "high": HIGH}),
     "affordances": _vector(AFFORDANCES),
     "vehicle_state": _vector(VEHICLE_STATE),
 }

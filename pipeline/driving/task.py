@@ -15,8 +15,6 @@ from pipeline.metric import Metric
 from pipeline.task import Setting, Task
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
     from pipeline.environment import Environment
 
 
@@ -31,6 +29,7 @@ class Driving(Task):
     name: ClassVar[str] = "driving"
     robot: ClassVar[str] = ROBOT_TYPE
     features: ClassVar[Mapping[str, Feature]] = FEATURES
+    measure: ClassVar[str] = "steering"
     metrics: ClassVar[Mapping[str, Metric]] = METRICS
 
     tracks: Annotated[
@@ -96,7 +95,3 @@ class Driving(Task):
             laps=self.laps,
             seconds=self.seconds,
         )
-
-    def deviation(self, proposed: NDArray, reference: NDArray) -> NDArray[np.float64]:
-        """The squared difference of the steerings, in [0, 4]: the brakes are not in it."""
-        return np.square((proposed[:, 0] - reference[:, 0]).astype(np.float64))

@@ -8,6 +8,7 @@ from itertools import pairwise
 from typing import Any
 
 from pipeline.policies.inference import Driver
+from pipeline.policies.measures import deviation, half_range
 from pipeline.rollout.plans import SEED_STREAMS, Plan, driven
 from pipeline.rollout.rules.rule import Rule
 from pipeline.task import Task
@@ -46,12 +47,13 @@ def evaluate(trial: Trial, driver: Driver) -> dict[str, Any]:
     """Drive once and keep the figures only: a row for `drives.table`, but for who drove."""
     plan = trial.plan
     by_reference: list[bool] = []
-    deviation = 0.0
+    epsilon = 0.0
+    half_ranges = half_range(plan.task.features["action"])
     for _, frame in driven(plan, driver):
         by_reference.append(frame.intervention)
         if not frame.intervention:
             pair = frame.primary_action[None], frame.reference_action[None]
-            deviation += float(plan.task.deviation(*pair)[0])
+            epsilon += float(deviation(plan.task.measure, *pair, half_ranges)[0])
     return {
         "scenario": plan.scenario,
         "condition": trial.condition,
@@ -63,7 +65,7 @@ def evaluate(trial: Trial, driver: Driver) -> dict[str, Any]:
         "primary_frames": len(by_reference) - sum(by_reference),
         "takeovers": sum(now and not before for before, now in pairwise([False, *by_reference])),
         "switches": sum(now != before for before, now in pairwise(by_reference)),
-        "deviation_sum": deviation,
+        "deviation_sum": epsilon,
         **{name: float(value) for name, value in frame.outcome.items()},
         "ended": frame.ended,
     }

@@ -4,12 +4,13 @@ In the shapes, N is the number of frames.
 """
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, Literal, Self
 
 import numpy as np
 
-from pipeline.policies.measures import load_measure
+from pipeline.policies.measures import deviation
 
 
 @dataclass(frozen=True)
@@ -22,21 +23,23 @@ class LabelRule:
     """>= 0 [s], how far ahead the deviation is looked for"""
     mode: Literal["last", "max"]
     """see `label_horizon`"""
+    half_range: Sequence[float] = ()
+    """of each number of an action; none: 1 for each"""
 
     @classmethod
     def of(cls, config: dict[str, Any]) -> Self:
         """The rule that a safety policy's configuration carries."""
-        return cls(config["measure"], config["horizon"], config["horizon_mode"])
+        return cls(*(config[each] for each in ("measure", "horizon", "horizon_mode", "half_range")))
 
     def deviation(
         self, proposed: np.ndarray, reference: np.ndarray, episode_index: np.ndarray, fps: float
     ) -> np.ndarray:
-        """[N], what labels each frame of `proposed` and `reference` [N, 2], `fps` frames a second.
+        """[N], what labels each frame of `proposed` and `reference` [N, A], `fps` frames a second.
 
         Raises:
-            ValueError: as `load_measure`, the measure and `label_horizon`.
+            ValueError: as `deviation` and `label_horizon`.
         """
-        epsilon = load_measure(self.measure)(proposed, reference)
+        epsilon = deviation(self.measure, proposed, reference, self.half_range)
         return label_horizon(epsilon, episode_index, round(self.horizon * fps), self.mode)
 
 

@@ -28,7 +28,7 @@ SAFETY_TYPE = "safedagger_safety"
 CONV_TYPE = "safedagger_conv"
 """LeRobot's names for our kinds of policies."""
 
-LABELS = ("tau", "measure", "horizon", "horizon_mode")
+LABELS = ("tau", "measure", "half_range", "horizon", "horizon_mode")
 """What a safety policy's configuration says of the labels that it learned."""
 
 

@@ -1,41 +1,59 @@
 """Epsilon (Sec. 3.1): how far a primary is from the reference. N frames, A numbers in an action."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 
+from pipeline.data.schema import Feature
 from pipeline.registry import MEASURES, find
 
-Measure = Callable[[NDArray, NDArray], NDArray]
-"""Of proposed and reference actions float32 [N, A]: epsilon float32 [N], NaN where either is."""
+Measure = Callable[[NDArray, NDArray, NDArray], NDArray]
+"""Of proposed and reference actions float32 [N, A], and half the range of each of their numbers
+float64 [A]: epsilon [N], NaN where either is."""
 
 
-def mean_square(proposed: NDArray, reference: NDArray) -> NDArray[np.float32]:
-    """The mean over the numbers of an action of their squared differences.
+def mean_square(proposed: NDArray, reference: NDArray, half_range: NDArray) -> NDArray[np.float64]:
+    """The mean over the numbers of an action of their squared differences, each of which is measured
+    by half the range of that number: a difference from end to end is 4.
 
     Raises:
         ValueError: arrays of other shapes.
     """
-    check_actions(proposed, reference)
-    return np.square(proposed.astype(np.float32) - reference.astype(np.float32)).mean(axis=1)
+    check_actions(proposed, reference, len(half_range))
+    return np.square((proposed.astype(np.float64) - reference) / half_range).mean(axis=1)
 
 
-def check_actions(proposed: NDArray, reference: NDArray, numbers: int | None = None) -> None:
-    """Raise a ValueError unless both are [N, A] of the same N and A, and A is `numbers`, if given."""
-    fits = proposed.ndim == 2 and numbers in (None, proposed.shape[-1])
-    if proposed.shape != reference.shape or not fits:
+def half_range(action: Feature) -> list[float]:
+    """Half the range of each number of an action: 1 where its feature has no "low" and "high"."""
+    numbers = action["shape"][0]
+    low, high = (action.get(end) or [value] * numbers for end, value in (("low", -1), ("high", 1)))
+    return [(top - bottom) / 2 for bottom, top in zip(low, high, strict=True)]
+
+
+def check_actions(proposed: NDArray, reference: NDArray, numbers: int) -> None:
+    """Raise a ValueError unless both are [N, A] of the same N, and A is `numbers`."""
+    if proposed.shape != reference.shape or proposed.shape[1:] != (numbers,):
         raise ValueError(
             f"proposed is {proposed.shape} and reference {reference.shape}, "
-            f"expected the same (frames, {numbers or 'numbers of an action'})"
+            f"expected the same (frames, {numbers})"
         )
 
 
-def load_measure(name: str) -> Measure:
-    """The measure of this name: one of MEASURES, or "module:function".
+def deviation(
+    measure: str, proposed: NDArray, reference: NDArray, half_range: Sequence[float]
+) -> NDArray[np.float64]:
+    """Epsilon [N] by the measure of this name: one of MEASURES, or "module:function".
+
+    Args:
+        measure: its name.
+        proposed: actions float32 [N, A].
+        reference: the same.
+        half_range: of each number of an action, [A]; none: 1 for each.
 
     Raises:
-        ValueError: there is none.
+        ValueError: there is no such measure, or as the measure.
     """
-    found: Measure = find("measure", name, MEASURES)
-    return found
+    found: Measure = find("measure", measure, MEASURES)
+    halves = np.asarray(half_range or np.ones(proposed.shape[-1]), np.float64)
+    return found(proposed, reference, halves)

@@ -49,6 +49,8 @@ class SafetyConfig(OfflineConfig):
     """Whether they take the deviation at the end of the horizon, or the largest within."""
     measure: str = "mean-square"
     """What deviates: a name of `registry.MEASURES`."""
+    half_range: list[float] = field(default_factory=list)
+    """Of each number of an action, by which that measures."""
     balance: float = 0.0
     """[0, 1], class weights in its training: 0 none, 1 balanced."""
 

@@ -8,7 +8,7 @@ from typing import Any, Self
 import numpy as np
 
 from pipeline.data.lineage import Lineage, first_bits
-from pipeline.policies.measures import load_measure
+from pipeline.policies.measures import deviation
 from pipeline.rollout.rules.naive import Naive
 from pipeline.rollout.rules.optimal import Optimal
 from pipeline.rollout.rules.reference import Reference
@@ -27,11 +27,13 @@ class Judgement:
     """>= 0: a deviation above it is"""
     measure: str
     """what deviates: a name of `registry.MEASURES`"""
+    half_range: tuple[float, ...] = ()
+    """of each number of an action; none: 1 for each"""
 
     @classmethod
     def of(cls, labels: Mapping[str, Any], cut: float) -> Self:
         """From what a safety policy's configuration says of its labels."""
-        return cls(cut, labels["tau"], labels["measure"])
+        return cls(cut, labels["tau"], labels["measure"], tuple(labels["half_range"]))
 
     @classmethod
     def read(cls, safety: Path, cut: float | None = None) -> Self:
@@ -50,8 +52,8 @@ class Judgement:
         return self.measure.replace("-", " ")
 
     def deviation(self, proposed: np.ndarray, reference: np.ndarray) -> np.ndarray:
-        """Epsilon float32 [N] as the labels know it; NaN where either action [N, A] is."""
-        return load_measure(self.measure)(proposed, reference)
+        """Epsilon [N] as the labels know it; NaN where either action [N, A] is."""
+        return deviation(self.measure, proposed, reference, self.half_range)
 
     def rule(self, strategy: Strategy) -> Rule:
         """The rule of a driving strategy.

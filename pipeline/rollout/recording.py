@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from pipeline.data.schema import OWN, Asked, Episode
 from pipeline.policies.inference import Driver
+from pipeline.policies.measures import deviation, half_range
 from pipeline.rollout.loop import Frame
 from pipeline.rollout.plans import Plan, driven
 from pipeline.rollout.rules.rule import Rule
@@ -150,7 +151,8 @@ def _columns(
     queried = because != Asked.NOT
     reference = np.stack([frame.reference_action for frame in frames])
     primary = np.stack([frame.primary_action for frame in frames])
-    epsilon = task.deviation(primary, reference)[:, None]
+    half_ranges = half_range(task.features["action"])
+    epsilon = deviation(task.measure, primary, reference, half_ranges)[:, None]
     return {
         **stacked("observation"),
         **stacked("hidden"),

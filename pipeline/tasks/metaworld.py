@@ -48,7 +48,13 @@ class MetaWorld(Task):
             "names": ["x", "y", "z", "gripper"],
         },
         **core_features(
-            {"dtype": "float32", "shape": (4,), "names": ["x", "y", "z", "gripper"]},
+            {
+                "dtype": "float32",
+                "shape": (4,),
+                "names": ["x", "y", "z", "gripper"],
+                "low": [-1.0] * 4,
+                "high": [1.0] * 4,
+            },
         ),
         # two objects at most, 0 where there is none, and where to bring them
         "object_state": {

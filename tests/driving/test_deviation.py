@@ -9,7 +9,7 @@ REFERENCE = np.array([[0.1, 1.0], [1.0, 1.0], [0.45, 0.0]], np.float32)
 
 def test_the_deviation_is_the_squared_difference_of_the_steering():
     epsilon = steering(PROPOSED, REFERENCE)
-    assert epsilon.dtype == np.float32
+    assert epsilon.dtype == np.float64
     assert epsilon == pytest.approx([0, 4, 0.0025])
 
 
