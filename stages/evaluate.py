@@ -17,7 +17,6 @@ app = typer.Typer()
 @options.seam("task")
 def evaluate(
     primary: options.Primary,
-    safety: options.Safety,
     task: "Task",
     starts: Annotated[
         int, typer.Option(min=1, help="Drives of each scenario, from different places.")
@@ -29,6 +28,7 @@ def evaluate(
     metrics: options.Metrics,
     seed: options.Seed,
     workers: options.Workers,
+    safety: options.SafetyIfAny = None,
     cut: options.Cut = None,
     hold: options.Hold = None,
     device: options.Device = "cpu",
@@ -45,15 +45,15 @@ def evaluate(
     from pipeline.policies.computing import find_device, processor
     from pipeline.policies.inference import Driver
     from pipeline.policies.loading import begun_with, weights_sha256
-    from pipeline.rollout.judgement import Judgement
+    from pipeline.rollout.judgement import Judgement, rule_of
     from pipeline.rollout.strategies import parse_driving
     from pipeline.rollout.workers import in_order
 
     check_place(drives, metrics)
     driver = Driver.load(primary, safety, hold=hold or 1, device=find_device(device))
     driver.check_task(task.name, task.features)
-    judgement = Judgement.read(safety, cut)
-    rules = [judgement.rule(parse_driving(name)) for name in options.names(strategies)]
+    judgement = Judgement.read(safety, cut) if safety else None
+    rules = [rule_of(parse_driving(name), judgement) for name in options.names(strategies)]
     planned = list(trials(task, rules, starts, seed=seed))
     rows = []
     with options.progress("driving", len(planned)) as advance_to:

@@ -30,6 +30,10 @@ Dataset = Annotated[Path, typer.Argument(help="A LeRobot dataset of this project
 Output = Annotated[Path, typer.Argument(help="Where to write. It must not exist.")]
 Primary = Annotated[Path, typer.Argument(help="A primary policy, as train-primary writes it.")]
 Safety = Annotated[Path, typer.Argument(help="Its safety policy, as train-safety writes it.")]
+SafetyIfAny = Annotated[
+    Path | None,
+    typer.Argument(help="Its safety policy, as train-safety writes it; naive needs none."),
+]
 
 Tracks = Annotated[
     str, typer.Option(help="Names of tracks, separated by commas; 'random:<seed>' is one too.")

@@ -49,7 +49,7 @@ def rollout(
     from pipeline.policies.computing import find_device
     from pipeline.policies.inference import Driver
     from pipeline.policies.loading import policy_lineage, read_labels
-    from pipeline.rollout.judgement import Judgement
+    from pipeline.rollout.judgement import Judgement, rule_of
     from pipeline.rollout.plans import SEED_STREAMS
     from pipeline.rollout.recording import record_all, until_queries
     from pipeline.rollout.strategies import Strategy
@@ -59,7 +59,7 @@ def rollout(
     judgement = Judgement.read(safety, cut)
     drives = record_all(
         task,
-        judgement.rule(Strategy.SAFE),
+        rule_of(Strategy.SAFE, judgement),
         Driver.load(primary, safety, hold=hold or 1, device=computes),
         count(),
         seed=(seed, SEED_STREAMS["rollout"] + iteration),

@@ -55,23 +55,28 @@ class Judgement:
         """Epsilon [N] as the labels know it; NaN where either action [N, A] is."""
         return deviation(self.measure, proposed, reference, self.half_range)
 
-    def rule(self, strategy: Strategy) -> Rule:
-        """The rule of a driving strategy.
 
-        Raises:
-            ValueError: a number is out of its range, or the strategy has another one: beta.
-        """
-        match strategy:
-            case Strategy.REFERENCE:
-                return Reference()
-            case Strategy.NAIVE:
-                return Naive()
-            case Strategy.SAFE:
-                return Safe(self.cut)
-            case Strategy.OPTIMAL:
-                return Optimal(self.tau, self.deviation)
-            case Strategy.MIXTURE:
-                raise ValueError(f"strategy is {strategy}, expected one that goes by no beta")
+def rule_of(strategy: Strategy, judgement: Judgement | None) -> Rule:
+    """The rule of a driving strategy; `judgement` is None where there is no safety policy.
+
+    Raises:
+        ValueError: the strategy needs a safety policy, or a number that no policy has, beta; or a
+            number is out of its range.
+    """
+    match strategy:
+        case Strategy.REFERENCE:
+            return Reference()
+        case Strategy.NAIVE:
+            return Naive()
+        case Strategy.MIXTURE:
+            raise ValueError(f"strategy is {strategy}, expected one that goes by no beta")
+    if judgement is None:
+        raise ValueError(f"strategy is {strategy}, which needs a safety policy")
+    match strategy:
+        case Strategy.SAFE:
+            return Safe(judgement.cut)
+        case Strategy.OPTIMAL:
+            return Optimal(judgement.tau, judgement.deviation)
 
 
 def judgements(lineage: Lineage) -> dict[int, Judgement]:

@@ -9,13 +9,13 @@ from pipeline.evaluation.drives import COLUMNS
 from pipeline.evaluation.driving import Trial, evaluate, trials
 from pipeline.policies.inference import Driver
 from pipeline.policies.network import SafetyNetwork
-from pipeline.rollout.judgement import Judgement
+from pipeline.rollout.judgement import Judgement, rule_of
 from pipeline.rollout.rules.rule import Rule
 from pipeline.rollout.rules.safe import Safe
 from pipeline.rollout.strategies import DRIVING, Strategy
 
 TRUSTING = Judgement(cut=0.0, tau=9.0, measure="steering")
-RULES = [TRUSTING.rule(strategy) for strategy in DRIVING]
+RULES = [rule_of(strategy, TRUSTING) for strategy in DRIVING]
 ALWAYS = Safe(1.0)
 TASK = Driving(tracks="alder,yew", traffic=3, record_every=3, laps=3.0, seconds=2.0)
 TRIALS = list(trials(TASK, RULES, 2, seed=0))
@@ -82,7 +82,7 @@ def test_the_optimal_safety_policy_leaves_the_primary_no_deviation_above_tau(
 ) -> None:
     """Eq. 2: what the primary drives deviates by tau at most; what is left goes to the reference."""
     tau = 1e-4
-    rule = Judgement(0.0, tau, measure="steering").rule(Strategy.OPTIMAL)
+    rule = rule_of(Strategy.OPTIMAL, Judgement(0.0, tau, measure="steering"))
     row = evaluate(trial(Strategy.OPTIMAL, "no_traffic", rule), driver)
     assert row["deviation_sum"] <= tau * row["primary_frames"]
     assert row["takeover_frames"] > 0

@@ -7,8 +7,10 @@ import torch
 from pipeline.driving.network import PrimaryNetwork
 from pipeline.policies.network import SafetyNetwork
 from pipeline.policies.safety import SafetyConfig, SafetyPolicy
-from pipeline.rollout.judgement import Judgement
+from pipeline.rollout.judgement import Judgement, rule_of
+from pipeline.rollout.rules.naive import Naive
 from pipeline.rollout.rules.optimal import Optimal
+from pipeline.rollout.rules.reference import Reference
 from pipeline.rollout.rules.safe import Safe
 from pipeline.rollout.strategies import DRIVING, Strategy
 
@@ -26,8 +28,8 @@ def test_it_goes_by_the_labels_and_the_cut_of_the_safety_policy(
     SafetyPolicy(config, network).save_pretrained(tmp_path)
     assert Judgement.read(tmp_path) == Judgement(0.4, 0.01, measure)
     judgement = Judgement.read(tmp_path, 0.3)
-    assert judgement.rule(Strategy.SAFE) == Safe(0.3)
-    optimal = judgement.rule(Strategy.OPTIMAL)
+    assert rule_of(Strategy.SAFE, judgement) == Safe(0.3)
+    optimal = rule_of(Strategy.OPTIMAL, judgement)
     assert isinstance(optimal, Optimal) and optimal.tau == 0.01
     actions = np.float32([[0.1, 0.0]]), np.float32([[0.3, 1.0]])
     expected = pytest.approx([0.04 + more])
@@ -39,6 +41,14 @@ def test_it_goes_by_the_labels_and_the_cut_of_the_safety_policy(
 def test_each_driving_strategy_has_its_rule() -> None:
     judgement = Judgement(0.5, 0.0025, "steering-and-brake")
     for strategy in (*DRIVING, Strategy.REFERENCE):
-        assert judgement.rule(strategy).name == strategy
+        assert rule_of(strategy, judgement).name == strategy
     with pytest.raises(ValueError, match="strategy is mixture"):
-        judgement.rule(Strategy.MIXTURE)
+        rule_of(Strategy.MIXTURE, judgement)
+
+
+def test_only_what_goes_by_a_safety_policy_needs_one() -> None:
+    assert rule_of(Strategy.NAIVE, None) == Naive()
+    assert rule_of(Strategy.REFERENCE, None) == Reference()
+    for strategy in (Strategy.SAFE, Strategy.OPTIMAL):
+        with pytest.raises(ValueError, match=f"strategy is {strategy}, which needs a safety"):
+            rule_of(strategy, None)

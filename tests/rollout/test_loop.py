@@ -18,7 +18,7 @@ from pipeline.environment import Action, Environment
 from pipeline.policies.inference import Driver
 from pipeline.policies.network import SafetyNetwork
 from pipeline.rollout.asking import Reference as Asking
-from pipeline.rollout.judgement import Judgement
+from pipeline.rollout.judgement import Judgement, rule_of
 from pipeline.rollout.loop import Frame, drive
 from pipeline.rollout.plans import driven, one_number
 from pipeline.rollout.rules.mixture import Mixture
@@ -145,7 +145,7 @@ JUDGED = Judgement(0.5, 0.0, "steering-and-brake")
 @pytest.mark.parametrize("measure", [False, True])
 @pytest.mark.parametrize(
     "rule",
-    [Reference(), Naive(), Safe(0.5), Safe(0.0), Mixture(0.5), JUDGED.rule(Strategy.OPTIMAL)],
+    [Reference(), Naive(), Safe(0.5), Safe(0.0), Mixture(0.5), rule_of(Strategy.OPTIMAL, JUDGED)],
     ids=lambda rule: rule.name,
 )
 def test_the_reference_is_asked_as_often_as_the_ledger_will_count(
