@@ -15,7 +15,8 @@ def errors(
     primary: options.Primary,
     trained: Annotated[Path, typer.Argument(help="What it was trained on: D_0.")],
     held_out: Annotated[Path, typer.Argument(help="Drives like these that it never saw.")],
-    tau: Annotated[float, typer.Option(min=1e-9, help="The threshold on the squared error.")],
+    tau: Annotated[float, typer.Option(min=1e-9, help="The threshold on the deviation.")],
+    measure: options.Measure,
     share: Annotated[
         float,
         typer.Option(
@@ -36,17 +37,19 @@ def errors(
     from pipeline.output import check_place, write_file
     from pipeline.policies.computing import find_device
     from pipeline.policies.loading import load_primary
+    from pipeline.policies.measures import half_range
 
     check_place(figure, metrics)
     network = load_primary(primary, device=find_device(device))
     datasets = {"trained on": Dataset.open(trained), "held out": Dataset.open(held_out)}
-    rule = LabelRule("steering", horizon=0.0, mode="last")
+    half_ranges = half_range(datasets["trained on"].features.get("action", network.action))
+    rule = LabelRule(measure, 0.0, "last", half_ranges)
     deviations = {
         name: judge(network, dataset, rule=rule).deviation for name, dataset in datasets.items()
     }
     summaries = {name: error_summary(found, tau) for name, found in deviations.items()}
     summaries["held out"]["tau_for_share"] = threshold_for_share(deviations["held out"], share)
-    write_file(figure, png(error_histogram(deviations, tau)))
+    write_file(figure, png(error_histogram(deviations, tau, measure)))
     write_metrics(
         metrics,
         {

@@ -13,6 +13,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from pipeline.registry import MEASURES
+
 if TYPE_CHECKING:
     from rerun.blueprint import Blueprint
 
@@ -58,6 +60,9 @@ Cut = Annotated[
         max=1,
         help="A frame is unsafe below this safe probability; by default the safety policy's own.",
     ),
+]
+Measure = Annotated[
+    str, typer.Option(help=f"What deviates: {', '.join(MEASURES)}, or module:function.")
 ]
 Hold = Annotated[
     int | None,

@@ -6,7 +6,6 @@ from typing import Annotated
 
 import typer
 
-from pipeline.registry import MEASURES
 from stages import options
 
 app = typer.Typer()
@@ -27,9 +26,7 @@ def train_safety(
     dataset: Annotated[Path, typer.Argument(help="D_i: this primary was trained on it.")],
     output: options.Output,
     tau: Annotated[float, typer.Option(min=0, help="Threshold on the deviation: safe up to here.")],
-    measure: Annotated[
-        str, typer.Option(help=f"What deviates: {', '.join(MEASURES)}, or module:function.")
-    ],
+    measure: options.Measure,
     horizon: Annotated[
         float, typer.Option(min=0, help="How far ahead to foresee a deviation [s].")
     ],

@@ -12,14 +12,14 @@ from numpy.typing import NDArray
 
 from pipeline.inspection.canvas import new_figure, styled
 
-LOWEST, HIGHEST = -9.0, 1.0  # of log10 of the squared error; what is beyond counts at the edge
+LOWEST, HIGHEST = -9.0, 1.0  # of log10 of the deviation; what is beyond counts at the edge
 BINS = 50
 # outlines of different brightness, so that neither hides the other
 LOOKS = (("#0b4f8a", "-", 1.8), ("#d55e00", "--", 1.8))
 
 
 def error_summary(deviation: NDArray[np.floating], tau: float) -> dict[str, float]:
-    """Of squared errors [N], for `dvc metrics`.
+    """Of deviations [N], for `dvc metrics`.
 
     Raises:
         ValueError: no frames.
@@ -34,8 +34,15 @@ def error_summary(deviation: NDArray[np.floating], tau: float) -> dict[str, floa
     }
 
 
-def error_histogram(deviations: Mapping[str, NDArray[np.floating]], tau: float) -> Figure:
-    """Histograms of log10 of the squared errors [N] of up to two named sets of frames, and tau.
+def error_histogram(
+    deviations: Mapping[str, NDArray[np.floating]], tau: float, measure: str
+) -> Figure:
+    """Histograms of log10 of the deviations [N] of up to two named sets of frames, and tau.
+
+    Args:
+        deviations: by the name of the set.
+        tau: a threshold on them.
+        measure: what they are by, see `registry.MEASURES`.
 
     Raises:
         ValueError: no set, too many, or one without frames.
@@ -67,7 +74,7 @@ def error_histogram(deviations: Mapping[str, NDArray[np.floating]], tau: float) 
             xycoords=("data", "axes fraction"),
             va="top",
         )
-        axes.set(xlabel="log10 of the squared steering error", ylabel="share of the frames")
+        axes.set(xlabel=f"log10 of the deviation ({measure})", ylabel="share of the frames")
         axes.set_xlim(LOWEST, HIGHEST)
         axes.yaxis.set_major_formatter(PercentFormatter(1.0, decimals=0))
         axes.grid(axis="y")

@@ -22,7 +22,7 @@ def test_no_frames_no_summary() -> None:
 
 def test_every_frame_is_drawn_even_those_without_any_error() -> None:
     """log10 of 0 is minus infinity: it counts at the edge."""
-    figure = error_histogram({"trained on": np.zeros(3), "held out": HALF}, TAU)
+    figure = error_histogram({"trained on": np.zeros(3), "held out": HALF}, TAU, "steering")
     (axes,) = figure.axes
     for patch in axes.patches:
         heights = patch.get_xy()[:, 1]
@@ -33,10 +33,12 @@ def test_every_frame_is_drawn_even_those_without_any_error() -> None:
 
 
 def test_the_same_errors_give_the_same_picture() -> None:
-    assert png(error_histogram({"a": HALF}, TAU)) == png(error_histogram({"a": HALF}, TAU))
+    assert png(error_histogram({"a": HALF}, TAU, "steering")) == png(
+        error_histogram({"a": HALF}, TAU, "steering")
+    )
 
 
 @pytest.mark.parametrize("sets", [{}, {name: HALF for name in "abc"}])
 def test_one_or_two_sets_are_compared(sets: dict) -> None:
     with pytest.raises(ValueError, match=f"there are {len(sets)} sets, expected 1 to 2"):
-        error_histogram(sets, TAU)
+        error_histogram(sets, TAU, "steering")

@@ -7,6 +7,9 @@ import numpy as np
 import pytest
 
 from pipeline.data.dataset import Dataset
+from pipeline.data.images import read_all
+from pipeline.policies.inference import propose
+from pipeline.policies.loading import load_primary
 from tests.command import run
 
 TASK = ("--task", "tests.stages.pendulum:Pendulum", "--length", "1.5", "--seed", "0")
@@ -66,6 +69,14 @@ LOOP: list[tuple[object, ...]] = [
         *("--iteration", "2", "--workers", "1"),
     ),
     ("sample", "dagger_2", "new_dagger_2", "--frames", "10", "--seed", "0"),
+    (
+        *("evaluate", "primary_1", *TASK, "--strategies", "naive", "--starts", "1"),
+        *("--drives", "drives_1.csv", "--metrics", "driving_1.json", "--workers", "1"),
+    ),
+    (
+        *("errors", "primary_0", "D_0", "D_safe", "--tau", "0.01", "--measure", "mean-square"),
+        *("--share", "0.7", "--figure", "errors.png", "--metrics", "errors.json"),
+    ),
     ("inspect", "rollout_1", "--save", "rollout_1.rrd"),
 ]
 
@@ -114,6 +125,23 @@ def test_the_safety_policy_was_judged_by_the_measure_that_was_named(house: Path)
     assert config["measure"] == "mean-square"
     labels = Dataset.open(house / "rollout_1").lineage.own.arguments["labels"]
     assert (labels["measure"], labels["tau"]) == ("mean-square", 0.01)
+
+
+def test_a_primary_is_evaluated_alone(house: Path) -> None:
+    drives = (house / "drives_1.csv").read_text().splitlines()
+    assert [line.split(",")[0] for line in drives] == ["scenario", "swing up", "hold up"]
+    naive = json.loads((house / "driving_1.json").read_text())["naive"]
+    assert naive["as_is"]["takeover"] == 0
+
+
+def test_its_errors_are_by_the_measure_that_was_named(house: Path) -> None:
+    held_out = json.loads((house / "errors.json").read_text())["held_out"]
+    d_safe = Dataset.open(house / "D_safe")
+    assert held_out["frames"] == len(d_safe)
+    network = load_primary(house / "primary_0")
+    proposed, _ = propose(network, read_all(d_safe, network.seen))
+    apart = proposed[:, 0] - d_safe.column("action")
+    assert held_out["mean"] == pytest.approx(np.square(apart).mean(), rel=1e-3)
 
 
 def test_the_second_primary_began_with_the_first(house: Path) -> None:

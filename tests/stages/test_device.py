@@ -37,8 +37,8 @@ TYPED = {
         *("--drives", "d.csv", "--metrics", "m.json", "--workers", "1"),
     ),
     "errors": (
-        *("missing", "missing", "missing", "--tau", "1", "--share", "0.5", "--figure", "f.png"),
-        *("--metrics", "m.json"),
+        *("missing", "missing", "missing", "--tau", "1", "--measure", "steering"),
+        *("--share", "0.5", "--figure", "f.png", "--metrics", "m.json"),
     ),
     "film": (
         *("missing", "missing", "out.gif", *FOUND, "--laps", "1", "--record-every", "3"),
