@@ -1,27 +1,28 @@
 """See two policies side by side: the same road, start and traffic, driven by each."""
 
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from stages import options
 
+if TYPE_CHECKING:
+    from pipeline.task import Task
+
 app = typer.Typer()
 
 
 @app.command()
+@options.seam("task")
 def compare_policies(
     primary_a: Annotated[Path, typer.Argument(help="A primary policy ...")],
     safety_a: Annotated[Path, typer.Argument(help="... and its safety policy.")],
     primary_b: Annotated[Path, typer.Argument(help="Another primary policy ...")],
     safety_b: Annotated[Path, typer.Argument(help="... and its safety policy.")],
-    track: options.Track,
-    traffic: options.Traffic,
+    task: "Task",
     strategy: options.Strategy,
-    seconds: options.Seconds,
     seed: options.Seed,
-    record_every: options.RecordEvery = 3,
     cut: options.Cut = None,
     device: options.Device = "cpu",
     save: options.Save = None,
@@ -31,26 +32,19 @@ def compare_policies(
 
     From the same start, among the same cars.
     """
-    from pipeline.driving.task import Driving
-    from pipeline.driving.tracks import make_track
+    from pipeline.inspection.drawn import track_to_draw
     from pipeline.inspection.footage import Footage
-    from pipeline.inspection.live import Tally, watched
+    from pipeline.inspection.live import watched
     from pipeline.inspection.pairs import Pair
     from pipeline.inspection.rerun_blueprints import pair_blueprint
     from pipeline.inspection.rerun_log import log_pair
     from pipeline.policies.computing import find_device
     from pipeline.policies.inference import Driver
-    from pipeline.rollout.judgement import Judgement
+    from pipeline.rollout.judgement import Judgement, rule_of
     from pipeline.rollout.plans import Plan
     from pipeline.rollout.strategies import parse_driving
 
-    how, computes = parse_driving(strategy), find_device(device)
-    task = Driving(
-        tracks=track,
-        traffic=traffic,
-        record_every=record_every,
-        seconds=seconds,
-    )
+    track, how, computes = track_to_draw(task), parse_driving(strategy), find_device(device)
     sides = [
         (Driver.load(primary, safety, device=computes), Judgement.read(safety, cut))
         for primary, safety in ((primary_a, safety_a), (primary_b, safety_b))
@@ -58,14 +52,13 @@ def compare_policies(
     fps = task.fps
     with options.rerun_sink(save, web, pair_blueprint(fps)) as sink:
         drives, tallies = [], []
-        with options.progress("driving", 2 * seconds) as advance_to:
+        with options.progress("driving", len(sides)) as advance_to:
             for number, (driver, judgement) in enumerate(sides):
-                frames, tally = [], Tally()
-                plan = Plan(task, track, judgement.rule(how), (seed,))
-                for world, footage in watched(plan, driver, judgement):
-                    tally.add(world, footage)
+                frames = []
+                plan = Plan(task, track.name, rule_of(how, judgement), (seed,))
+                for footage, tally in watched(plan, driver, judgement):
                     frames.append(footage)
-                    advance_to(number * seconds + len(frames) / fps)
+                    advance_to(number + tally.done)
                 drives.append(Footage.joined(frames))
                 tallies.append(tally)
         for name, tally in zip(
@@ -74,8 +67,8 @@ def compare_policies(
             typer.echo(f"{name}: {tally}")
         pair = Pair(
             f"{strategy}, {plan.description}, seed {seed}: a is {primary_a.name}, b is {primary_b.name}",
-            f"{track}/{strategy}/{seed}/{primary_a.name}/{primary_b.name}",
-            make_track(track),
+            f"{track.name}/{strategy}/{seed}/{primary_a.name}/{primary_b.name}",
+            track,
             drives[0],
             drives[1],
             (sides[0][1], sides[1][1]),

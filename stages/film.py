@@ -1,27 +1,28 @@
 """Show a drive as a film: the track from above, what the car sees, and who drives."""
 
-from typing import Annotated
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from stages import options
 
+if TYPE_CHECKING:
+    from pipeline.task import Task
+
 app = typer.Typer()
 
 
 @app.command()
+@options.seam("task")
 def film(
     primary: options.Primary,
-    safety: options.Safety,
-    output: options.Output,
-    track: options.Track,
-    traffic: options.Traffic,
+    task: "Task",
     strategy: options.Strategy,
-    laps: Annotated[float, typer.Option(min=0.01, help="Most laps to drive.")],
-    seconds: options.Seconds,
-    record_every: options.RecordEvery,
     show_every: Annotated[int, typer.Option(min=1, help="Frames to a picture of the film.")],
+    output: Annotated[Path, typer.Option(help="The film to write (GIF). It must not exist.")],
     seed: options.Seed,
+    safety: options.SafetyIfAny = None,
     cut: options.Cut = None,
     device: options.Device = "cpu",
 ) -> None:
@@ -29,33 +30,27 @@ def film(
 
     Ten pictures a second.
     """
-    from pipeline.driving.task import Driving
+    from pipeline.inspection.drawn import track_to_draw
     from pipeline.inspection.film import gif, shoot
     from pipeline.output import check_place, write_file
     from pipeline.policies.computing import find_device
     from pipeline.policies.inference import Driver
-    from pipeline.rollout.judgement import Judgement
+    from pipeline.rollout.judgement import Judgement, rule_of
     from pipeline.rollout.plans import SEED_STREAMS, Plan
     from pipeline.rollout.strategies import parse_driving
 
     check_place(output)
     if output.suffix != ".gif":
         raise ValueError(f"{output}: expected a name that ends in .gif")
+    track = track_to_draw(task)
     driver = Driver.load(primary, safety, device=find_device(device))
-    task = Driving(
-        tracks=track,
-        traffic=traffic,
-        record_every=record_every,
-        laps=laps,
-        seconds=seconds,
-    )
-    rule = Judgement.read(safety, cut).rule(parse_driving(strategy))
-    plan = Plan(task, track, rule, (seed, SEED_STREAMS["film"]))
+    rule = rule_of(parse_driving(strategy), Judgement.read(safety, cut) if safety else None)
+    plan = Plan(task, track.name, rule, (seed, SEED_STREAMS["film"]))
     pictures = []
-    with options.progress("driving", laps) as advance_to:
-        for number, (picture, driven) in enumerate(shoot(plan, driver)):
+    with options.progress("driving", 1) as advance_to:
+        for number, (picture, tally) in enumerate(shoot(plan, driver)):
             if number % show_every == 0:
                 pictures.append(picture)
-            advance_to(driven)
+            advance_to(tally.done)
     write_file(output, gif(pictures, milliseconds=100))
-    typer.echo(f"{output}: {len(pictures)} pictures, {driven:.2f} laps")
+    typer.echo(f"{output}: {len(pictures)} pictures; {tally}")

@@ -37,19 +37,7 @@ SafetyIfAny = Annotated[
     typer.Argument(help="Its safety policy, as train-safety writes it; naive needs none."),
 ]
 
-Tracks = Annotated[
-    str, typer.Option(help="Names of tracks, separated by commas; 'random:<seed>' is one too.")
-]
-Track = Annotated[str, typer.Option(help="Its name; 'random:<seed>' is one too.")]
-Traffic = Annotated[int, typer.Option(min=0, help="Other cars on the track.")]
-OffsetSpread = Annotated[
-    float, typer.Option(min=0, help="Standard deviation of the initial offset from the lane [m].")
-]
-AngleSpread = Annotated[
-    float, typer.Option(min=0, help="Standard deviation of the initial angle to the lane [rad].")
-]
 Strategy = Annotated[str, typer.Option(help="Driving strategy: naive, safe or optimal.")]
-Seconds = Annotated[float, typer.Option(min=0, help="Longest time of one drive [s].")]
 RecordEvery = Annotated[
     int, typer.Option(min=1, help="Control steps (1/30 s) in a frame: an action is held for them.")
 ]

@@ -12,13 +12,13 @@ from numpy.typing import NDArray
 from PIL import Image
 
 from pipeline.driving.cars import LENGTH, WIDTH, Cars
-from pipeline.driving.environment import DrivingEnv
 from pipeline.driving.features import CAMERA
 from pipeline.driving.world import World
+from pipeline.inspection.drawn import Tally, drawn
 from pipeline.inspection.tracks import ToPixels, track_map
 from pipeline.policies.inference import Driver
 from pipeline.rollout.loop import Frame
-from pipeline.rollout.plans import Plan, driven
+from pipeline.rollout.plans import Plan
 
 WIDE = 480  # [px] the film
 ENLARGED = 1.5  # the camera's picture, which leaves room beside it for words
@@ -29,26 +29,25 @@ TRAFFIC, OUTLINE, INK, PAPER = (240, 228, 66), (0, 0, 0), (20, 20, 20), (255, 25
 SUBPIXELS = 3  # bits: cv2 draws at eighths of a pixel
 
 
-def shoot(plan: Plan, driver: Driver) -> Iterator[tuple[NDArray[np.uint8], float]]:
-    """Drive, and show each frame, uint8 [H, 480, 3], with the laps driven so far.
+def shoot(plan: Plan, driver: Driver) -> Iterator[tuple[NDArray[np.uint8], Tally]]:
+    """Drive, and show each frame, uint8 [H, 480, 3], with what the drive has come to so far.
 
     The trail is blue where the primary drove, red where the reference did.
+
+    Raises:
+        ValueError: another task than the car's.
     """
     ground, to_pixels = track_map(plan.scenario, WIDE)
-    by_reference = frames = 0
     trail: NDArray[np.float64] | None = None
-    for env, frame in driven(plan, driver):
-        assert isinstance(env, DrivingEnv)
-        world = env.world
-        frames, by_reference = frames + 1, by_reference + frame.intervention
+    for world, frame, tally in drawn(plan, driver):
         here = to_pixels(world.cars.x[:1], world.cars.y[:1])
         if trail is not None:
             _line(ground, np.concatenate([trail, here]), _colour(frame))
         trail = here
         above = ground.copy()
         _draw_cars(above, world.cars, to_pixels, _colour(frame))
-        head = _head(plan, world, frame, by_reference / frames)
-        yield np.concatenate([head, above]), world.laps
+        head = _head(plan, world, frame, tally.by_reference / tally.frames)
+        yield np.concatenate([head, above]), tally
 
 
 def gif(pictures: Sequence[NDArray[np.uint8]], milliseconds: int) -> bytes:

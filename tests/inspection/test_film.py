@@ -32,8 +32,9 @@ def driver() -> Driver:
 def test_every_frame_is_shown_and_the_trail_says_who_drove(
     driver: Driver, plan: Plan, colour: tuple, other: tuple
 ) -> None:
-    pictures, laps = zip(*shoot(plan, driver), strict=True)
-    assert len(pictures) == 10
+    pictures, tallies = zip(*shoot(plan, driver), strict=True)
+    assert [tally.frames for tally in tallies] == list(range(1, 11))
+    laps = [tally.laps for tally in tallies]
     assert np.all(np.diff(laps) > 0) and laps[-1] > 0.02
     trail = [np.all(picture[120:] == colour, axis=2).sum() for picture in pictures]
     assert trail[-1] > trail[0] > 0

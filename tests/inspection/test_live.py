@@ -12,8 +12,9 @@ import torch
 from pipeline.driving.features import CAMERA
 from pipeline.driving.network import PrimaryNetwork
 from pipeline.driving.tracks import make_track
+from pipeline.inspection.drawn import drawn
 from pipeline.inspection.footage import Footage
-from pipeline.inspection.live import Tally, in_real_time, watched
+from pipeline.inspection.live import in_real_time, watched
 from pipeline.inspection.rerun_blueprints import live_blueprint
 from pipeline.inspection.rerun_camera import RAW
 from pipeline.inspection.rerun_log import drive_tracer, new_recording
@@ -41,7 +42,7 @@ def driver() -> Driver:
 def test_every_frame_is_as_recorded(driver: Driver) -> None:
     recording = record(PLAN, driver, 0, 0)
     expected = Footage.of_episode(recording.episode)
-    seen = [footage for _, footage in watched(PLAN, driver)]
+    seen = [footage for footage, _ in watched(PLAN, driver)]
     assert len(seen) == len(expected) == 30
     for number, footage in enumerate(seen):
         for name in ("frame", "image", "primary_action", "intervention", "vehicle_state"):
@@ -57,7 +58,7 @@ def test_every_frame_is_as_recorded(driver: Driver) -> None:
 def test_all_other_cars_are_where_they_were_when_the_frame_began() -> None:
     plan = replace(PLAN, rule=Reference())
     before = np.empty((0, 3))
-    for world, footage in watched(plan, None):
+    for (footage, _), (world, *_) in zip(watched(plan, None), drawn(plan, None), strict=True):
         (others,) = footage.others
         np.testing.assert_array_equal(others, before)
         cars = world.cars
@@ -66,34 +67,13 @@ def test_all_other_cars_are_where_they_were_when_the_frame_began() -> None:
 
 
 def test_a_whole_drive(driver: Driver) -> None:
-    seen = [footage for _, footage in watched(PLAN, driver)]
+    seen = [footage for footage, _ in watched(PLAN, driver)]
     whole = Footage.joined(seen)
     assert len(whole) == len(whole.others) == 30
     for number, footage in enumerate(seen):
         again = whole.rows(number, number + 1)
         for each in fields(Footage):
             np.testing.assert_array_equal(getattr(again, each.name), getattr(footage, each.name))
-
-
-def test_the_tally(driver: Driver) -> None:
-    tally, drove = Tally(), []
-    for world, footage in watched(PLAN, driver):
-        tally.add(world, footage)
-        drove.append(bool(footage.intervention[0]))
-    assert (tally.laps, tally.damage, tally.frames) == (world.laps, world.damage, 30)
-    assert tally.by_reference == sum(drove)
-    before = [False, *drove[:-1]]
-    began = [now and not was for was, now in zip(before, drove, strict=True)]
-    assert tally.takeovers == sum(began)
-    assert 1 < tally.takeovers < tally.by_reference < 30
-    assert f"{world.laps:.2f} laps" in str(tally) and f"{tally.takeovers} takeovers" in str(tally)
-
-
-def test_the_reference_alone_takes_over_from_nobody() -> None:
-    tally = Tally()
-    for world, footage in watched(replace(PLAN, rule=Reference()), None):
-        tally.add(world, footage)
-    assert (tally.by_reference, tally.takeovers) == (30, 0)
 
 
 def test_real_time_is_waited_for_and_never_made_up() -> None:
@@ -105,7 +85,7 @@ def test_real_time_is_waited_for_and_never_made_up() -> None:
 
 def test_frame_by_frame_gives_what_is_there_at_the_end(driver: Driver, tmp_path: Path) -> None:
     path, fps = tmp_path / "live.rrd", PLAN.task.fps
-    seen = [footage for _, footage in watched(PLAN, driver)]
+    seen = [footage for footage, _ in watched(PLAN, driver)]
     with (
         into_file(path, live_blueprint(fps)) as sink,
         new_recording("live", "Live", make_track(PLAN.scenario), sink.connect) as recording,

@@ -249,24 +249,13 @@ def test_training_is_refused_what_would_spoil_it(
     assert code == 2
     assert error == "safedagger: D_0: 6 of its frames are in D_0 too, expected none\n"
     assert run(capsys, monkeypatch, "train-safety", "one", "D_safe", "D_0", "safe", *of_one)[0] == 0
-    watch = ("--track", "yew", "--traffic", "0", "--strategy", "safe", "--seconds", "0.2")
-    drive = (*watch, "--seed", "0", "--save", "drive.rrd")
+    watch = ("--tracks", "yew", "--traffic", "0", "--strategy", "safe", "--seconds", "0.2")
+    drive = (*watch, "--record-every", "3", "--seed", "0", "--save", "drive.rrd")
     code, error = run(capsys, monkeypatch, "watch", "other", "safe", *drive)
     assert code == 2
     assert error == "safedagger: safe: was trained to watch another primary than other\n"
     assert not Path("bad").exists() and not Path("drive.rrd").exists()
     assert run(capsys, monkeypatch, "watch", "one", "safe", *drive)[0] == 0
-
-
-@pytest.mark.parametrize("given", [["mine"], ["--strategy"]])
-def test_watch_names_the_policy_that_is_missing(
-    given: list[str], capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
-) -> None:
-    policies = [word for word in given if word == "mine"]
-    options = ("--track", "yew", "--traffic", "0", "--seconds", "1", "--seed", "0")
-    code, error = run(capsys, monkeypatch, "watch", *policies, *options, "--strategy", "safe")
-    assert code == 2
-    assert ("mine alone" if policies else "--strategy safe needs a primary") in error
 
 
 LIMITED = """

@@ -9,8 +9,8 @@ from stages import __main__ as cli
 from tests.command import run
 from tests.stages.test_another_world import CONV, FIT, SAFETY, TASK, collect
 
-TRACK = ("--track", "yew", "--traffic", "0", "--seconds", "1", "--seed", "0")
-FOUND = ("--strategy", "naive", *TRACK)
+TRACK = ("--tracks", "yew", "--traffic", "0", "--seconds", "1", "--record-every", "3")
+FOUND = ("--strategy", "naive", *TRACK, "--seed", "0")
 ROLLOUT = ("--queries", "9", "--frames", "20", "--iteration", "1", "--metrics", "m.json")
 TYPED = {
     "train-primary": ("missing", "out", *CONV, *FIT),
@@ -21,19 +21,7 @@ TYPED = {
         *("--workers", "1"),
     ),
     "evaluate": (
-        *(
-            "missing",
-            "missing",
-            "--tracks",
-            "yew",
-            "--traffic",
-            "0",
-            "--laps",
-            "1",
-            "--starts",
-            "1",
-        ),
-        *("--seconds", "1", "--record-every", "3", "--strategies", "naive", "--seed", "0"),
+        *("missing", "missing", *TRACK, "--starts", "1", "--strategies", "naive", "--seed", "0"),
         *("--drives", "d.csv", "--metrics", "m.json", "--workers", "1"),
     ),
     "errors": (
@@ -41,7 +29,7 @@ TYPED = {
         *("--share", "0.5", "--figure", "f.png", "--metrics", "m.json"),
     ),
     "film": (
-        *("missing", "missing", "out.gif", *FOUND, "--laps", "1", "--record-every", "3"),
+        *("missing", "missing", "--output", "out.gif", *FOUND, "--laps", "1"),
         *("--show-every", "1"),
     ),
     "watch": ("missing", "missing", *FOUND, "--save", "out.rrd"),

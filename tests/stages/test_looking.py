@@ -17,7 +17,12 @@ from tests.episodes import random_episode, write
 from tests.inspection.saved import column, recordings
 
 BOTH = ["primary", "safety", "primary_b", "safety_b"]
-WATCH = ["--track", "willow", "--traffic", "3", "--seconds", "0.5", "--seed", "1"]
+CAR = ["--tracks", "willow", "--traffic", "3", "--seconds", "0.5", "--record-every", "3"]
+WATCH = [*CAR, "--seed", "1"]
+FILM = [*WATCH, "--show-every", "1", "--strategy", "naive", "--output"]
+EVALUATE = ["--starts", "1", "--workers", "1", "--metrics", "x.json", "--drives"]
+UNDRAWN = "task is 'tests.stages.pendulum:Pendulum', expected one that can be drawn: driving"
+PENDULUM = ["--task", "tests.stages.pendulum:Pendulum", "--length", "1", "--seed", "1"]
 
 
 @pytest.fixture(scope="module")
@@ -53,6 +58,8 @@ def run(monkeypatch: pytest.MonkeyPatch, *arguments: object) -> int:
         (["compare", "a", "b"], "yew/a_0/b_0"),
         (["watch", *WATCH, "--strategy", "reference"], "willow/reference/1"),
         (["watch", "primary", "safety", *WATCH, "--strategy", "naive"], "willow/naive/1"),
+        (["watch", "primary", *WATCH, "--strategy", "naive"], "willow/naive/1"),
+        (["watch", "primary", *WATCH, "--strategy", "reference"], "willow/reference/1"),
         (["watch", "primary", "safety", *WATCH, "--strategy", "safe"], "willow/safe/1"),
         (["watch", "primary", "safety", *WATCH, "--strategy", "optimal"], "willow/optimal/1"),
         (
@@ -79,6 +86,24 @@ def test_a_file_for_rerun(
         assert [line.split(":")[0] for line in before] == ["a, primary", "b, primary_b"]
     if typed[0] == "watch":
         assert before[-1].startswith("0.0") and " laps, damage 0.00, 5 frames" in before[-1]
+    if "--tracks" in typed:
+        assert all(line.endswith("takeovers; ended: out of time") for line in before)
+
+
+def test_driving_naively_needs_no_safety_policy(
+    made: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """And is the same drive with one: filmed, and evaluated."""
+    monkeypatch.chdir(made)
+    shown = {}
+    for name, policies in (("with", BOTH[:2]), ("without", BOTH[:1])):
+        film, drives, metrics = (tmp_path / f"{name}.{kind}" for kind in ("gif", "csv", "json"))
+        assert run(monkeypatch, "film", *policies, *FILM, film) == 0
+        assert capsys.readouterr().out.endswith("0 takeovers; ended: out of time\n")
+        typed = [*WATCH, *EVALUATE, drives, "--metrics", metrics, "--strategies", "naive"]
+        assert run(monkeypatch, "evaluate", *policies, *typed) == 0
+        shown[name] = [path.read_bytes() for path in (film, drives, metrics)]
+    assert shown["with"] == shown["without"]
 
 
 def test_each_side_is_driven_by_its_own_policies(
@@ -104,10 +129,36 @@ def test_each_side_is_driven_by_its_own_policies(
     [
         (["inspect", "a", "--save", "x.rrd", "--web"], "exclude each other"),
         (["compare", "a", "b", "--drive", "1"], "no drive 1"),
-        (["watch", *WATCH, "--strategy", "safe"], "needs a primary and its safety policy"),
-        (["watch", "primary", *WATCH, "--strategy", "reference"], "its safety policy"),
+        (["watch", *WATCH, "--strategy", "naive"], "strategy is naive, which needs a primary"),
+        (
+            ["watch", "primary", *WATCH, "--strategy", "safe"],
+            "is safe, which needs a safety policy",
+        ),
+        (
+            ["film", "primary", *FILM, "x.gif", "--strategy", "optimal"],
+            "strategy is optimal, which needs a safety policy",
+        ),
+        (
+            ["evaluate", "primary", *WATCH, *EVALUATE, "x", "--strategies", "naive,safe"],
+            "strategy is safe, which needs a safety policy",
+        ),
         (["watch", "safety", "primary", *WATCH, "--strategy", "safe"], "expected"),
-        (["watch", *WATCH, "--strategy", "reference", "--track", "nowhere"], "nowhere"),
+        (["watch", *WATCH, "--strategy", "reference", "--tracks", "nowhere"], "nowhere"),
+        (
+            ["watch", *WATCH, "--strategy", "reference", "--tracks", "yew,alder"],
+            "'yew,alder', expected a",
+        ),
+        (["film", "primary", *FILM, "x.gif", "--tracks", "yew,alder"], "'yew,alder', expected a"),
+        (
+            ["compare-policies", *BOTH, *WATCH, "--strategy", "naive", "--tracks", "yew,alder"],
+            "'yew,alder', expected a",
+        ),
+        (["watch", *PENDULUM, "--strategy", "reference"], UNDRAWN),
+        (
+            ["film", "primary", *PENDULUM, *FILM[len(WATCH) :], "x.gif"],
+            UNDRAWN,
+        ),
+        (["compare-policies", *BOTH, *PENDULUM, "--strategy", "naive"], UNDRAWN),
         (["watch", *WATCH, "--strategy", "reference", "--record-every", "7"], "record_every"),
         (["watch", *WATCH, "--strategy", "mixture"], "--strategy"),
         (["compare-policies", *BOTH, *WATCH, "--strategy", "reference"], "reference"),
