@@ -10,7 +10,7 @@ WHEELS = --only-binary :all: --no-binary antlr4-python3-runtime
 .PHONY: repro experiment test lint
 
 repro: .venv/.ready
-	dvc repro
+	dvc repro runs && dvc repro
 
 # The comparison on one seed, e.g. `make experiment SEED=1`: all strategies beside each other.
 SEED = 0

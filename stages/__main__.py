@@ -20,9 +20,11 @@ from stages import (
     ledger,
     merge,
     options,
+    plan,
     report,
     rollout,
     rollout_dagger,
+    runs,
     sample,
     select,
     train_primary,
@@ -31,6 +33,7 @@ from stages import (
 )
 
 STAGES = (
+    plan,
     collect,
     train_primary,
     train_safety,
@@ -44,6 +47,7 @@ STAGES = (
     errors,
     contact_sheet,
     film,
+    runs,
     cards,
     report,
     inspect,

@@ -62,6 +62,10 @@ Hold = Annotated[
 Metrics = Annotated[
     Path, typer.Option(help="Where to write what was measured (JSON). It must not exist.")
 ]
+Params = Annotated[
+    Path, typer.Option(help="What an experiment is told: runs, and the numbers of its stages.")
+]
+Loops = Annotated[Path, typer.Option(help="The loops of dvc.yaml, as `plan` unrolls the runs.")]
 Seed = Annotated[
     int, typer.Option(min=0, help="Of every random choice: equal seeds give equal bytes.")
 ]

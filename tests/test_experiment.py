@@ -48,6 +48,10 @@ stages:
       - cards/report.md:
           cache: false
 """
+RUNS = """runs:
+  mine: {strategy: dagger, frames: [9], sample: [9], samples: [9], tau: [0], driven_by: naive,
+    name: mine, words: mine, colour: black, marker: o}
+"""
 NEW = {"cards/errors/seed_1.png", "cards/frames/seed_1.png"}
 CHANGED = {"cards/metrics/seed_1/driving_0.json", "cards/report.md"}
 
@@ -63,7 +67,7 @@ def checkout(tmp_path: Path) -> Path:
     files = {
         "dvc.yaml": PIPELINE,
         "params.yaml": "seed: 0\npasses: 3 # edited",
-        "scales/tiny.yaml": "# tiny\nseed: 0\npasses: 7\n",
+        "scales/tiny.yaml": f"# tiny\nseed: 0\npasses: 7\n{RUNS}",
         "datasets/D_0/data": "the user's",
         "models/data": "the user's",
         "cards/report.md": "old",
@@ -130,7 +134,8 @@ def test_only_what_is_known_of_the_seed_is_changed(checkout: Path) -> None:
     assert {after[name] for name in NEW} == {b"1 7\n"}
     assert after["cards/report.md"] == b"0 5\n1 7\n"
     house = checkout / "experiments" / "tiny_1"
-    assert (house / "params.yaml").read_text() == "# tiny\nseed: 1\npasses: 7\n"
+    assert '"mine_1"' in (house / "loops.yaml").read_text()
+    assert (house / "params.yaml").read_text() == f"# tiny\nseed: 1\npasses: 7\n{RUNS}"
 
     complete(checkout)
     assert ran(checkout) == ["collect", "train"]

@@ -6,22 +6,32 @@ from typing import Any
 import pytest
 import yaml
 
+from pipeline.runs import Comparison, read_params, render
+
 ROOT = Path(__file__).parent.parent
-LOOPS = ("rollouts", "dagger", "supervised", "steps", "from-scratch", "safeties", "ledgers")
 FILES = ["params.yaml", "scales/experiment.yaml", "scales/paper.yaml"]
 
 
 def read(name: str) -> dict[str, Any]:
-    return yaml.safe_load((ROOT / name).read_text())
+    """What a file says, and the loops that its runs come to."""
+    params = read_params(ROOT / name)
+    return params | Comparison.of(params).loops()
 
 
 @pytest.mark.parametrize("name", FILES)
 def test_every_scale_has_the_same_options(name: str) -> None:
-    found, expected = read(name), read("params.yaml")
+    found, expected = read_params(ROOT / name), read_params(ROOT / "params.yaml")
     assert found.keys() == expected.keys()
     for group, options in expected.items():
-        if isinstance(options, dict) and group not in LOOPS:
+        if isinstance(options, dict) and group != "runs":
             assert found[group].keys() == options.keys(), group
+
+
+def test_the_loops_are_those_of_the_runs() -> None:
+    """Else: `safedagger plan`."""
+    comparison = Comparison.of(read_params(ROOT / "params.yaml"))
+    assert (ROOT / "loops.yaml").read_text() == render(comparison)
+    assert yaml.safe_load(render(comparison)) == comparison.loops()
 
 
 @pytest.mark.parametrize("name", FILES)
@@ -60,12 +70,11 @@ def test_iterations_follow_each_other(name: str) -> None:
 
 def test_the_comparison_is_the_default_run_with_more_strategies_beside_it() -> None:
     """So both make the same SafeDAgger."""
-    default, comparison = read("params.yaml"), read("scales/experiment.yaml")
-    for group in default:
-        if group in LOOPS:
-            assert default[group].items() <= comparison[group].items(), group
-        else:
-            assert default[group] == comparison[group], group
+    default, comparison = (read_params(ROOT / name) for name in FILES[:2])
+    for group in default.keys() - {"runs", "thresholds"}:
+        assert default[group] == comparison[group], group
+    for name, run in default["runs"].items():
+        assert run | {"from_scratch": [3]} == comparison["runs"][name]
 
 
 def test_all_strategies_train_on_as_many_new_frames() -> None:

@@ -3,37 +3,39 @@
 import math
 
 from pipeline.claims.findings import MARGIN, PAIRS, Finding, unknown
-from pipeline.claims.rules import LOOP, naive
+from pipeline.claims.rules import naive
 from pipeline.evaluation.comparison import contrast, estimate
-from pipeline.evaluation.experiment import RUNS, Experiment
+from pipeline.evaluation.experiment import Experiment
 from pipeline.evaluation.wording import count, laps
 
 
-def needs_fewer_queries(experiment: Experiment, rival: str) -> Finding:
-    """SafeDAgger gets as far as a rival at its best, for fewer queries of the loop.
+def needs_fewer_queries(experiment: Experiment, run: str, rival: str) -> Finding:
+    """A run gets as far as a rival at its best, for fewer queries of the loop.
 
     The rival's best is the iteration of its loop with the most naive laps, over both conditions.
-    An iteration of SafeDAgger gets as far if its laps lack at most MARGIN to that: surely, by the
+    An iteration of the run gets as far if its laps lack at most MARGIN to that: surely, by the
     low end of the difference, or possibly, by the high end. Holds where one surely does for fewer
     queries than the rival's best took; does not hold where none possibly does for fewer.
     """
-    best = max(LOOP, key=lambda i: _laps(experiment, rival, i))
+    loop = range(1, experiment.last + 1)
+    best = max(loop, key=lambda i: _laps(experiment, rival, i))
     spent = _queries(experiment, rival, best)
     surely = possibly = math.inf
-    for i in reversed(LOOP):  # queries only grow: the first iteration is the cheapest
-        gap = contrast(experiment, "laps", naive("safedagger", i), naive(rival, best))
+    for i in reversed(loop):  # queries only grow: the first iteration is the cheapest
+        gap = contrast(experiment, "laps", naive(run, i), naive(rival, best))
         if gap is None or gap.difference.count < PAIRS:
             return unknown(f"fewer than {PAIRS} starts that both were given")
-        asked = _queries(experiment, "safedagger", i)
+        asked = _queries(experiment, run, i)
         surely = asked if gap.difference.low >= -MARGIN else surely
         possibly = asked if gap.difference.high >= -MARGIN else possibly
+    name, other = experiment.title(run), experiment.title(rival)
     far = laps(_laps(experiment, rival, best))
     when = f"surely {_after(surely, spent)}, possibly {_after(possibly, spent)}"
     return Finding(
         True if surely < spent else None if possibly < spent else False,
-        f"{RUNS[rival]}: {far} laps, its best, after {count(round(spent))} queries; SafeDAgger: as "
+        f"{other}: {far} laps, its best, after {count(round(spent))} queries; {name}: as "
         f"far {when}",
-        f"{RUNS[rival]} at its best: {far} laps after {count(round(spent))} queries; SafeDAgger as "
+        f"{other} at its best: {far} laps after {count(round(spent))} queries; {name} as "
         f"far, within {MARGIN:g}: {when}",
     )
 

@@ -1,6 +1,7 @@
 """The rules by which claims about whole loops are judged."""
 
 import math
+from dataclasses import replace
 from itertools import product
 
 from pipeline.claims.findings import (
@@ -9,23 +10,25 @@ from pipeline.claims.findings import (
     compare,
     exceeds,
     falls,
+    opposite,
+    rises,
     rises_or_is_full,
     unknown,
 )
 from pipeline.evaluation.comparison import Cell
-from pipeline.evaluation.experiment import RUNS, Experiment
+from pipeline.evaluation.experiment import Experiment
 from pipeline.evaluation.summary import CONDITIONS, LAPS
 from pipeline.evaluation.wording import CONDITION_WORDS, laps, seeds_in_words
 from pipeline.rollout.strategies import Strategy
 
-ITERATIONS = 3
-"""of a whole loop, as in the paper (Sec. 4.2)"""
-START, LOOP, LAST = (0,), tuple(range(1, ITERATIONS + 1)), (ITERATIONS,)
+START = (0,)
+SHOWN = 3  # of the cells that a claim about every cell does not hold in, or may not
 
 
 def is_whole(experiment: Experiment, seed: int, run: str) -> bool:
-    """Iterations 0 to ITERATIONS are there, with naive and safe drives in both conditions."""
-    needed = set(product((*START, *LOOP), (Strategy.NAIVE, Strategy.SAFE), CONDITIONS))
+    """Iterations 0 to the last are there, with naive and safe drives in both conditions."""
+    iterations = range(experiment.last + 1)
+    needed = set(product(iterations, (Strategy.NAIVE, Strategy.SAFE), CONDITIONS))
     drives = experiment.among(seed=seed, run=run)
     return needed <= set(zip(drives.iteration, drives.strategy, drives.condition, strict=True))
 
@@ -58,33 +61,36 @@ def falls_short(experiment: Experiment) -> Finding:
     )
 
 
-def arrives_first(experiment: Experiment) -> Finding:
-    """On every seed, all naive drives of SafeDAgger do LAPS after some iteration, and those of
-    DAgger not yet; does not hold where that is so on no seed.
+def arrives_first(experiment: Experiment, run: str, rival: str) -> Finding:
+    """On every seed, all naive drives of a run do LAPS after some iteration, and those of a rival
+    not yet; does not hold where that is so on no seed.
     """
     arrivals = [
-        [_arrival(experiment, seed, run) for run in ("safedagger", "dagger")]
-        for seed in experiment.seeds
+        [_arrival(experiment, seed, each) for each in (run, rival)] for seed in experiment.seeds
     ]
     there = sum(ours < math.inf for ours, _ in arrivals)
     sooner = [ours < theirs for ours, theirs in arrivals]
+    name, other = experiment.title(run), experiment.title(rival)
     numbers = [
-        f"seed {seed}: SafeDAgger {_when(ours)}, DAgger {_when(theirs)}"
+        f"seed {seed}: {name} {_when(ours)}, {other} {_when(theirs)}"
         for seed, (ours, theirs) in zip(experiment.seeds, arrivals, strict=True)
     ]
     return Finding(
         sooner[0] if len(set(sooner)) == 1 else None,
-        f"within {ITERATIONS} iterations on {there} of {len(arrivals)} seeds, and sooner than DAgger's on "
-        f"{sum(sooner)}",
+        f"within {experiment.last} iterations on {there} of {len(arrivals)} seeds, and sooner than "
+        f"{other}'s on {sum(sooner)}",
         "; ".join(numbers),
     )
 
 
-def falls_faster(experiment: Experiment, metric: str, strategy: Strategy) -> Finding:
-    """In each condition a metric of SafeDAgger surely falls from iteration 0 to the last, and is
-    surely lower in its loop, all iterations together, than in DAgger's: both begin at the same
-    iteration 0, so that lower on the way is faster.
+def falls_faster(
+    experiment: Experiment, run: str, rival: str, metric: str, strategy: Strategy
+) -> Finding:
+    """In each condition a metric of a run surely falls from iteration 0 to the last, and is surely
+    lower in its loop, all iterations together, than in a rival's: both begin at the same iteration
+    0, so that lower on the way is faster.
     """
+    last, loop = experiment.last, tuple(range(1, experiment.last + 1))
 
     def cell(run: str, iterations: tuple[int, ...], where: str) -> Cell:
         return Cell(run, iterations, strategy, (where,))
@@ -94,14 +100,14 @@ def falls_faster(experiment: Experiment, metric: str, strategy: Strategy) -> Fin
             experiment,
             f"{CONDITION_WORDS[where]}, {words}",
             metric,
-            cell("safedagger", iterations, where),
-            cell(run, others, where),
+            cell(run, iterations, where),
+            cell(other, others, where),
             falls,
         )
         for where in CONDITIONS
-        for words, iterations, run, others in (
-            (f"iteration {ITERATIONS} against 0", LAST, "safedagger", START),
-            (f"iterations 1 to {ITERATIONS} against DAgger's", LOOP, "dagger", LOOP),
+        for words, iterations, other, others in (
+            (f"iteration {last} against 0", (last,), run, START),
+            (f"iterations 1 to {last} against {experiment.title(rival)}'s", loop, rival, loop),
         )
     )
 
@@ -110,12 +116,13 @@ def is_ahead(experiment: Experiment, run: str, other: str) -> Finding:
     """After the last iteration a run's naive laps, over both conditions, exceed another's: surely
     by more than 0, and not surely by MARGIN at most.
     """
+    last = experiment.last
     return compare(
         experiment,
-        f"naive laps, {RUNS[run]} against {RUNS[other]}, iteration {ITERATIONS}",
+        f"naive laps, {experiment.title(run)} against {experiment.title(other)}, iteration {last}",
         "laps",
-        naive(run, ITERATIONS),
-        naive(other, ITERATIONS),
+        naive(run, last),
+        naive(other, last),
         exceeds,
     )
 
@@ -124,12 +131,13 @@ def improves(experiment: Experiment, run: str) -> Finding:
     """From iteration 0 to the last, in each condition, the naive laps surely rise or all drives do
     LAPS in the end, and the takeover of safe surely falls.
     """
+    last = experiment.last
     return all_of(
         compare(
             experiment,
-            f"{CONDITION_WORDS[where]}, {metric} of {strategy}, iteration {ITERATIONS} against 0",
+            f"{CONDITION_WORDS[where]}, {metric} of {strategy}, iteration {last} against 0",
             metric,
-            Cell(run, LAST, strategy, (where,)),
+            Cell(run, (last,), strategy, (where,)),
             Cell(run, START, strategy, (where,)),
             judge,
         )
@@ -139,6 +147,40 @@ def improves(experiment: Experiment, run: str) -> Finding:
             ("takeover", Strategy.SAFE, falls),
         )
     )
+
+
+def drives_as_far(experiment: Experiment) -> Finding:
+    """Holds where the laps of safe surely do not fall against naive in any cell of run, iteration
+    and condition; does not hold where they surely do in one.
+    """
+    cells = [
+        opposite(
+            compare(
+                experiment,
+                f"{experiment.title(run)}, iteration {iteration}, {CONDITION_WORDS[where]}",
+                "laps",
+                Cell(run, (iteration,), Strategy.SAFE, (where,)),
+                Cell(run, (iteration,), Strategy.NAIVE, (where,)),
+                falls,
+            )
+        )
+        for run in experiment.runs
+        for iteration, where in product(experiment.iterations(run), CONDITIONS)
+    ]
+    others = sorted((cell for cell in cells if not cell.holds), key=lambda cell: cell.holds is None)
+    shown = [cell.evidence for cell in others[:SHOWN]]
+    rest = [f"and {len(others) - SHOWN} more"] if len(others) > SHOWN else []
+    surely = f"surely in {len(cells) - len(others)} of {len(cells)} cells"
+    return replace(all_of(cells), evidence="; ".join([surely, *shown, *rest]))
+
+
+def takes_over_more_in_traffic(experiment: Experiment, run: str) -> Finding:
+    """Holds where the takeover of iteration 0 surely rises with traffic, from the same starts; does
+    not hold where it surely does not.
+    """
+    without, with_it = (Cell(run, START, Strategy.SAFE, (where,)) for where in CONDITIONS)
+    words = "with traffic against without"
+    return compare(experiment, words, "takeover", with_it, without, rises)
 
 
 def naive(run: str, iteration: int) -> Cell:

@@ -35,7 +35,7 @@ class Cell:
     """
 
     run: str
-    """one of RUNS"""
+    """one of the experiment's"""
     iterations: tuple[int, ...]
     strategy: Strategy
     conditions: tuple[str, ...]

@@ -28,7 +28,7 @@ class MetricsFile:
         if not path.is_file():
             raise FileNotFoundError(f"{path}: no such file, expected the metrics of an iteration")
         try:
-            self._content = json.loads(path.read_text(), parse_constant=_refuse)
+            self.content = json.loads(path.read_text(), parse_constant=_refuse)
         except ValueError as error:
             raise ValueError(f"{path}: {error}, expected JSON") from None
 
@@ -73,7 +73,7 @@ class MetricsFile:
 
     def _at(self, keys: tuple[str, ...]) -> Any:
         """What is there; MISSING where nothing is."""
-        value = self._content
+        value = self.content
         for key in keys:
             value = value.get(key, MISSING) if isinstance(value, dict) else MISSING
         return value

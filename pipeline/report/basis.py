@@ -2,17 +2,17 @@
 
 from statistics import fmean
 
-from pipeline.evaluation.experiment import RUNS, Experiment
+from pipeline.evaluation.experiment import Experiment
 from pipeline.evaluation.wording import count, seeds_in_words
 from pipeline.report import tables
-from pipeline.report.headline import OURS
 from pipeline.report.material import Material
 
 
 def cost(material: Material) -> str:
     """Queries of the loop and outside it, and, apart, what was asked only to measure."""
     experiment = material.experiment
-    run = OURS if OURS in experiment.runs else experiment.runs[0]
+    ours = experiment.ours
+    run = ours if ours in experiment.runs else experiment.runs[0]
     last = experiment.iterations(run)[-1]
     queries, driven, _, trained = tables.spent(experiment, run, last)
     d_0 = fmean(step.ledger.queries for step in experiment.of(run, 0))
@@ -24,7 +24,7 @@ def cost(material: Material) -> str:
     mean = ", on average" if len(experiment.of(run, last)) > 1 else ""
     spent = [count(round(number)) for number in (queries, driven, d_0, d_safe, trained)]
     return (
-        f"**Cost.** The loop of {RUNS[run]} asked {spent[0]} queries a seed{mean}, in {spent[1]} "
+        f"**Cost.** The loop of {experiment.title(run)} asked {spent[0]} queries a seed{mean}, in {spent[1]} "
         f"frames driven, after {spent[2]} queries for D_0 and {spent[3]} for D_safe; its last "
         f"primary was trained on {spent[4]} frames. Only to measure, never to drive or to train, "
         f"the reference was asked in {count(in_rollouts)} frames of rollouts and "
@@ -69,7 +69,7 @@ def certainty(experiment: Experiment) -> str:
 def _commands(experiment: Experiment) -> str:
     """That reproduce each seed."""
     commands = ", ".join(f"`make experiment SEED={seed}`" for seed in experiment.seeds)
-    if experiment.runs == [OURS]:
+    if experiment.runs == [experiment.ours]:
         return (
             "Each seed again: `make repro`, with this `seed` in `params.yaml`; with all strategies "
             f"beside each other, {commands}."

@@ -5,7 +5,7 @@ from collections.abc import Iterator
 import pandas as pd
 
 from pipeline.evaluation.drives import among
-from pipeline.evaluation.experiment import RUNS, Experiment
+from pipeline.evaluation.experiment import Experiment
 from pipeline.evaluation.summary import CONDITIONS, LAPS
 from pipeline.evaluation.wording import NOTHING, table
 from pipeline.rollout.strategies import DRIVING, Strategy
@@ -44,7 +44,7 @@ def _rows(experiment: Experiment, strategy: Strategy) -> Iterator[list[str]]:
                 groups = [among(drives, condition=where) for where in CONDITIONS]
                 left = [left_the_road(group) for group in groups]
                 stopped = [stopped_short(group) for group in groups]
-                yield [RUNS[run], str(iteration), _counts(left), _counts(stopped)]
+                yield [experiment.title(run), str(iteration), _counts(left), _counts(stopped)]
 
 
 def _failed(drives: pd.DataFrame) -> bool:

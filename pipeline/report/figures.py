@@ -5,7 +5,7 @@ from itertools import product
 
 from matplotlib.figure import Figure
 
-from pipeline.evaluation.experiment import RUNS, TRAINING, VARIANTS, Experiment
+from pipeline.evaluation.experiment import Experiment
 from pipeline.evaluation.summary import CONDITIONS
 from pipeline.report.looks import LABELS
 from pipeline.report.panels import ASKED, Line, Panel, draw
@@ -25,11 +25,13 @@ TITLES = {
 
 def over_the_iterations(experiment: Experiment) -> dict[str, Figure]:
     """Those of TITLES that have something to show."""
-    variants = VARIANTS if set(VARIANTS[1:]) & set(experiment.runs) else ()
+    strategies = experiment.strategies
+    has_variants = ({*experiment.variants} - {experiment.ours}) & {*experiment.runs}
+    variants = experiment.variants if has_variants else ()
     drawn = {
-        "strategies": driving(experiment, TRAINING),
-        "strategies_takeover": takeover(experiment, TRAINING),
-        "strategies_cost": cost(experiment, TRAINING),
+        "strategies": driving(experiment, strategies),
+        "strategies_takeover": takeover(experiment, strategies),
+        "strategies_cost": cost(experiment, strategies),
         "variants": driving(experiment, variants),
         "variants_takeover": takeover(experiment, variants),
         "variants_cost": cost(experiment, variants),
@@ -40,13 +42,14 @@ def over_the_iterations(experiment: Experiment) -> dict[str, Figure]:
 
 def result(experiment: Experiment) -> Figure | None:
     """What the queries of the training strategies have bought, and how long the reference drives."""
+    runs = experiment.strategies
     panels = [
         *(
-            Panel(f"naive, {LABELS[where]}", "laps", _lines(TRAINING, Strategy.NAIVE, where), ASKED)
+            Panel(f"naive, {LABELS[where]}", "laps", _lines(runs, Strategy.NAIVE, where), ASKED)
             for where in CONDITIONS
         ),
         *(
-            Panel(f"safe, {LABELS[where]}", "takeover", _lines(TRAINING, Strategy.SAFE, where))
+            Panel(f"safe, {LABELS[where]}", "takeover", _lines(runs, Strategy.SAFE, where))
             for where in CONDITIONS
         ),
     ]
@@ -87,7 +90,7 @@ def optimal(experiment: Experiment) -> Figure | None:
     compared = (Strategy.SAFE, Strategy.OPTIMAL)
     panels = [
         Panel(
-            f"{RUNS[run]}, {LABELS[where]}",
+            f"{experiment.title(run)}, {LABELS[where]}",
             metric,
             [Line(run, strategy, where, key=strategy) for strategy in compared],
         )

@@ -3,10 +3,9 @@
 from collections.abc import Iterator, Mapping, Sequence
 from itertools import product
 
-from pipeline.claims.rules import ITERATIONS
 from pipeline.claims.verdicts import claims
 from pipeline.evaluation.drives import among
-from pipeline.evaluation.experiment import RUNS, TRAINING, Experiment, Step
+from pipeline.evaluation.experiment import Experiment, Step
 from pipeline.evaluation.summary import CONDITIONS
 from pipeline.evaluation.wording import CONDITION_WORDS
 from pipeline.report.material import Material
@@ -21,7 +20,12 @@ def gaps(material: Material, pictures: Mapping[str, Mapping[int, str]]) -> list[
     """
     experiment = material.experiment
     return [
-        *(_without_results(run) for run in RUNS if run not in experiment.runs),
+        *(
+            _without_results(experiment, run)
+            for run in experiment.specs
+            if run not in experiment.runs
+        ),
+        *experiment.left_out,
         *_missing_iterations(experiment),
         *_missing_drives(experiment),
         *_beside_the_loops(material),
@@ -34,34 +38,35 @@ def gaps(material: Material, pictures: Mapping[str, Mapping[int, str]]) -> list[
     ]
 
 
-def _without_results(run: str) -> str:
+def _without_results(experiment: Experiment, run: str) -> str:
     """A run, and how many claims wait for it."""
-    waiting = sum(run in claim.runs for claim in claims())
+    waiting = sum(run in claim.runs for claim in claims(experiment))
     verdicts = {0: "", 1: ", hence no verdict on 1 claim"}.get(
         waiting, f", hence no verdict on {waiting} claims"
     )
-    return f"{RUNS[run]}: no results{verdicts}."
+    return f"{experiment.title(run)}: no results{verdicts}."
 
 
 def _missing_iterations(experiment: Experiment) -> Iterator[str]:
     for seed, run in product(experiment.seeds, experiment.runs):
-        absent = [str(i) for i in range(ITERATIONS + 1) if (seed, run, i) not in experiment.steps]
-        if len(absent) == ITERATIONS + 1:
-            yield f"{RUNS[run]}, seed {seed}: no results."
+        whole = range(len(experiment.specs[run].iterations) + 1)
+        absent = [str(i) for i in whole if (seed, run, i) not in experiment.steps]
+        if len(absent) == len(whole):
+            yield f"{experiment.title(run)}, seed {seed}: no results."
         elif absent:
-            yield f"{RUNS[run]}, seed {seed}: no iteration {', '.join(absent)}."
+            yield f"{experiment.title(run)}, seed {seed}: no iteration {', '.join(absent)}."
 
 
 def _missing_drives(experiment: Experiment) -> Iterator[str]:
     for seed in experiment.seeds:
         steps = [step for key, step in sorted(experiment.steps.items()) if key[0] == seed]
-        yield from _fewer_than_elsewhere(steps)
+        yield from _fewer_than_elsewhere(experiment, steps)
     for run in experiment.runs:
-        if run in TRAINING and experiment.among(run=run, strategy=OPTIMAL).empty:
-            yield f"{RUNS[run]}: no drives with the optimal safety policy."
+        if run in experiment.strategies and experiment.among(run=run, strategy=OPTIMAL).empty:
+            yield f"{experiment.title(run)}: no drives with the optimal safety policy."
 
 
-def _fewer_than_elsewhere(steps: Sequence[Step]) -> Iterator[str]:
+def _fewer_than_elsewhere(experiment: Experiment, steps: Sequence[Step]) -> Iterator[str]:
     """Of one seed: cells with fewer drives than the fullest."""
     cells = list(product(steps, (NAIVE, SAFE), CONDITIONS))
     counts = [
@@ -71,7 +76,7 @@ def _fewer_than_elsewhere(steps: Sequence[Step]) -> Iterator[str]:
     for (step, strategy, where), number in zip(cells, counts, strict=True):
         if number < max(counts):
             yield (
-                f"{RUNS[step.run]}, seed {step.seed}, iteration {step.iteration}: {number} of "
+                f"{experiment.title(step.run)}, seed {step.seed}, iteration {step.iteration}: {number} of "
                 f"{max(counts)} drives of {strategy}, {CONDITION_WORDS[where]}."
             )
 

@@ -4,14 +4,12 @@ from collections.abc import Iterator, Sequence
 from statistics import fmean
 
 from pipeline.claims.verdicts import Verdict
-from pipeline.evaluation.experiment import RUNS, TRAINING, Experiment
+from pipeline.evaluation.experiment import Experiment
 from pipeline.evaluation.summary import LAPS
 from pipeline.evaluation.wording import count, seeds_in_words
 from pipeline.report import tables
 from pipeline.report.material import Material
 from pipeline.report.tables import NAIVE, SAFE
-
-OURS = "safedagger"
 
 
 def standing(judged: Sequence[Verdict]) -> str:
@@ -32,7 +30,7 @@ def standing(judged: Sequence[Verdict]) -> str:
 def headline(material: Material) -> str:
     """A point for the supervised stage, and for each training strategy after its last iteration."""
     experiment = material.experiment
-    compared = [run for run in TRAINING if run in experiment.runs]
+    compared = [run for run in experiment.strategies if run in experiment.runs]
     if not compared:
         return "There are no results of any training strategy."
     without, with_traffic = tables.estimates(experiment, "laps", compared[0], 0, NAIVE)
@@ -54,10 +52,10 @@ def _sentences(material: Material, run: str) -> Iterator[str]:
     asked = count(round(tables.spent(experiment, run, last)[0]))
     without, with_traffic = tables.estimates(experiment, "laps", run, last, NAIVE)
     yield (
-        f"After iteration {last} of {RUNS[run]}{fewer}, at {asked} queries, it completes {without} "
+        f"After iteration {last} of {experiment.title(run)}{fewer}, at {asked} queries, it completes {without} "
         f"and {with_traffic}. {_arrival(experiment, run)}"
     )
-    if run == OURS:
+    if run == experiment.ours:
         laps = tables.estimates(experiment, "laps", run, last, SAFE)
         shares = tables.estimates(experiment, "takeover", run, last, SAFE)
         before = tables.estimates(experiment, "takeover", run, 0, SAFE)
@@ -66,8 +64,8 @@ def _sentences(material: Material, run: str) -> Iterator[str]:
             f"{shares[0]} and {shares[1]} of the time; before the loop it was {before[0]} and "
             f"{before[1]}."
         )
-    elif OURS in experiment.runs:
-        yield from _against(material, run, last)
+    elif experiment.ours in experiment.runs:
+        yield from _against(material, experiment.ours, run, last)
 
 
 def _arrival(experiment: Experiment, run: str) -> str:
@@ -86,24 +84,22 @@ def _arrival(experiment: Experiment, run: str) -> str:
     )
 
 
-def _against(material: Material, run: str, last: int) -> Iterator[str]:
-    """What SafeDAgger asked against another run, on the seeds of both, in the loop and in all."""
+def _against(material: Material, ours: str, run: str, last: int) -> Iterator[str]:
+    """What our run asked against another run, on the seeds of both, in the loop and in all."""
     experiment = material.experiment
-    ours = experiment.iterations(OURS)[-1]
+    end = experiment.iterations(ours)[-1]
     seeds = [
-        step.seed
-        for step in experiment.of(run, last)
-        if (step.seed, OURS, ours) in experiment.steps
+        step.seed for step in experiment.of(run, last) if (step.seed, ours, end) in experiment.steps
     ]
     if not seeds:
         return
-    spent = fmean(experiment.queries(seed, OURS, ours) for seed in seeds)
+    spent = fmean(experiment.queries(seed, ours, end) for seed in seeds)
     theirs = fmean(experiment.queries(seed, run, last) for seed in seeds)
-    labels = fmean(material.labels(seed, OURS, ours) for seed in seeds)
+    labels = fmean(material.labels(seed, ours, end) for seed in seeds)
     their_labels = fmean(material.labels(seed, run, last) for seed in seeds)
     if spent and theirs:
         yield (
-            f"SafeDAgger asked {_times(spent, theirs)} queries in the loop; with D_0, and D_safe "
+            f"{experiment.title(ours)} asked {_times(spent, theirs)} queries in the loop; with D_0, and D_safe "
             f"that only it needs, {_times(labels, their_labels)} labels ({count(round(labels))} "
             f"against {count(round(their_labels))})."
         )

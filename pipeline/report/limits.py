@@ -4,26 +4,25 @@ from collections.abc import Iterator
 
 from pipeline.evaluation.experiment import Experiment
 from pipeline.evaluation.wording import NOTHING
-from pipeline.report.headline import OURS
 from pipeline.report.safety_tables import QUALITY, mean_quality
 from pipeline.report.tables import NAIVE, OPTIMAL, SAFE, estimates
 from pipeline.rollout.strategies import Strategy
 
 
-def limits(experiment: Experiment) -> str:
+def limits(experiment: Experiment, ours: str) -> str:
     """A point for each thing that was measured; empty where there is none."""
-    last = experiment.iterations(OURS)[-1]
+    last = experiment.iterations(ours)[-1]
     points = [
-        *_unsafe_frames(experiment),
-        *_takeover(experiment, last),
-        *_steering(experiment, last),
+        *_unsafe_frames(experiment, ours),
+        *_takeover(experiment, ours, last),
+        *_steering(experiment, ours, last),
     ]
     return "\n".join(f"- {point}" for point in points)
 
 
-def _unsafe_frames(experiment: Experiment) -> Iterator[str]:
+def _unsafe_frames(experiment: Experiment, ours: str) -> Iterator[str]:
     """How many the safety policies found, in the rollouts that they decided about."""
-    recall, auroc = (_range(experiment, name) for name in ("recall", "auroc"))
+    recall, auroc = (_range(experiment, ours, name) for name in ("recall", "auroc"))
     if recall and auroc:
         yield (
             "In the rollouts that they decided about, its safety policies called unsafe "
@@ -32,9 +31,9 @@ def _unsafe_frames(experiment: Experiment) -> Iterator[str]:
         )
 
 
-def _takeover(experiment: Experiment, last: int) -> Iterator[str]:
+def _takeover(experiment: Experiment, ours: str, last: int) -> Iterator[str]:
     learned, optimal = (
-        _pair(experiment, "takeover", OURS, last, strategy) for strategy in (SAFE, OPTIMAL)
+        _pair(experiment, "takeover", ours, last, strategy) for strategy in (SAFE, OPTIMAL)
     )
     if learned and optimal:
         yield (
@@ -44,21 +43,25 @@ def _takeover(experiment: Experiment, last: int) -> Iterator[str]:
         )
 
 
-def _steering(experiment: Experiment, last: int) -> Iterator[str]:
-    ours = _pair(experiment, "steering_mse", OURS, last, NAIVE)
-    theirs = _pair(experiment, "steering_mse", "dagger", last, NAIVE)
-    if ours and theirs:
-        yield (
-            f"After iteration {last}, the steering MSE of its primary, driven naively, is {ours} "
-            f"(without and with traffic), and {theirs} in DAgger."
+def _steering(experiment: Experiment, ours: str, last: int) -> Iterator[str]:
+    """Beside the first DAgger that there is."""
+    rivals = [run for run in experiment.runs if experiment.specs[run].strategy == "dagger"]
+    for rival in rivals[:1]:
+        mine, theirs = (
+            _pair(experiment, "steering_mse", run, last, NAIVE) for run in (ours, rival)
         )
+        if mine and theirs:
+            yield (
+                f"After iteration {last}, the steering MSE of its primary, driven naively, is {mine} "
+                f"(without and with traffic), and {theirs} in {experiment.title(rival)}."
+            )
 
 
-def _range(experiment: Experiment, name: str) -> str:
+def _range(experiment: Experiment, ours: str, name: str) -> str:
     """Of one of QUALITY in the rollouts, over the iterations; empty where it is not known."""
     means = [
-        mean_quality([step.next_rollout for step in experiment.of(OURS, iteration)], name)
-        for iteration in experiment.iterations(OURS)
+        mean_quality([step.next_rollout for step in experiment.of(ours, iteration)], name)
+        for iteration in experiment.iterations(ours)
     ]
     known = [mean for mean in means if mean is not None]
     form = QUALITY[name][1]

@@ -9,7 +9,7 @@ from pathlib import Path
 import pandas as pd
 
 from pipeline.data.ledger import Ledger
-from pipeline.evaluation.experiment import VARIANTS, Experiment, all_drives, read_experiment
+from pipeline.evaluation.experiment import Experiment, all_drives, read_experiment
 from pipeline.evaluation.metrics_file import MetricsFile
 from pipeline.report.scratch import read_scratch
 from pipeline.report.threshold import read_thresholds
@@ -56,7 +56,8 @@ class Material:
         a safety policy, D_safe's. Of other runs the safety policies exist only to measure.
         """
         d_0 = self.experiment.steps[seed, run, 0].ledger.queries
-        d_safe = self.d_safe[seed].queries if run in VARIANTS else 0
+        watched = self.experiment.specs[run].is_watched
+        d_safe = self.d_safe[seed].queries if watched else 0
         return d_0 + self.experiment.queries(seed, run, iteration) + d_safe
 
 

@@ -18,7 +18,7 @@ from pipeline.evaluation.statistics import Estimate
 from pipeline.evaluation.summary import LAPS
 from pipeline.evaluation.wording import FORMS
 from pipeline.inspection.canvas import new_figure, styled
-from pipeline.report.looks import LOOKS, NAMES, legend, look
+from pipeline.report.looks import legend, look, of_key
 from pipeline.rollout.strategies import Strategy
 
 ASKED = "queries of the loop so far, log scale"
@@ -43,7 +43,7 @@ class Line:
     strategy: Strategy
     condition: str
     key: str
-    """of LOOKS: what its colour and marker stand for"""
+    """what its colour and marker stand for, see `looks.of_key`"""
 
     def cells(self, experiment: Experiment) -> list[Cell]:
         """Of every iteration that the run has."""
@@ -94,7 +94,7 @@ def draw(experiment: Experiment, panels: Sequence[Panel], columns: int) -> Figur
                 after = len(curves) - 1 - before
                 _draw(axes, experiment, panel, line, found, APART * (before - after) / 2, after)
             _frame(axes, panel)
-        handles = legend(line.key for _, curves in shown for line in curves)
+        handles = legend(experiment, (line.key for _, curves in shown for line in curves))
         figure.legend(handles=handles, loc="outside upper center", ncols=4, handlelength=3.2)
         if same:
             text = fill(f"Not drawn, as nothing differs. {_named(same)}", WIDTH)
@@ -143,11 +143,12 @@ def _draw(
     )
     steps = [experiment.of(line.run, i) for i in experiment.iterations(line.run)]
     x = [np.mean([PLACES[panel.place](experiment, step) for step in seeds]) for seeds in steps]
-    style = look(*LOOKS[line.key], line.condition)
+    name, colour, marker = of_key(experiment, line.key)
+    style = look(colour, marker, line.condition)
     is_cost = panel.place != "iteration"
     if is_cost:
         style["markersize"] += LARGER * after
-    curve = axes.plot(x, value, label=NAMES[line.key], clip_on=False, zorder=3, **style)
+    curve = axes.plot(x, value, label=name, clip_on=False, zorder=3, **style)
     bars = axes.vlines(x, low, high, style["color"], linewidth=0.9, clip_on=False)
     aside = offset_copy(axes.transData, axes.get_figure(root=True), shift, units="points")
     moved = [bars] if is_cost else [*curve, bars]

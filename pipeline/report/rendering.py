@@ -6,14 +6,14 @@ from dataclasses import dataclass
 from pipeline.claims.findings import MARGIN, PAIRS
 from pipeline.claims.verdicts import Verdict, verdicts
 from pipeline.driving.features import STANDSTILL
-from pipeline.evaluation.experiment import VARIANTS, Experiment
+from pipeline.evaluation.experiment import Experiment
 from pipeline.evaluation.summary import LAPS
 from pipeline.evaluation.wording import table
 from pipeline.report import safety_tables, tables
 from pipeline.report.basis import basis, certainty, cost
 from pipeline.report.endings import endings
 from pipeline.report.gaps import gaps
-from pipeline.report.headline import OURS, headline, standing
+from pipeline.report.headline import headline, standing
 from pipeline.report.limits import limits
 from pipeline.report.material import Material
 from pipeline.report.runs import runs
@@ -131,7 +131,7 @@ def _numbers(material: Material) -> Iterator[str]:
         "primary. Means over the seeds."
     )
     yield tables.cost(material)
-    if set(VARIANTS) & set(experiment.runs):
+    if any(experiment.specs[run].is_watched for run in experiment.runs):
         yield "### The safety policies"
         yield (
             "Each cell: held-out frames of D_safe, which the reference drove / frames of the next "
@@ -161,10 +161,11 @@ def _numbers(material: Material) -> Iterator[str]:
 
 
 def _shortfalls(experiment: Experiment) -> Iterator[str]:
-    if OURS in experiment.runs:
-        yield "## Where SafeDAgger falls short"
-        yield falls_short(experiment.of(OURS, experiment.iterations(OURS)[-1]))
-        yield from filter(None, [limits(experiment)])
+    ours = experiment.ours
+    if ours in experiment.runs:
+        yield f"## Where {experiment.title(ours)} falls short"
+        yield falls_short(experiment.of(ours, experiment.iterations(ours)[-1]))
+        yield from filter(None, [limits(experiment, ours)])
 
 
 def _of_seeds(title: str, places: Mapping[int, str]) -> str:

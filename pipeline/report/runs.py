@@ -2,34 +2,16 @@
 
 from statistics import fmean
 
-from pipeline.evaluation.experiment import RUNS, VARIANTS, Experiment
+from pipeline.evaluation.experiment import Experiment
 from pipeline.evaluation.wording import count, share
 from pipeline.report import tables
-
-KINDS = {
-    "supervised": "the reference drives alone, and what it drives is added.",
-    "dagger": (
-        "the primary drives, but for a share of the frames, beta, in which the reference does; the "
-        "reference labels every frame, and a sample of them is added."
-    ),
-    "dagger_budget": "DAgger that asks as many queries as SafeDAgger.",
-    "safedagger": (
-        "the primary drives where its safety policy says safe, the reference elsewhere; the frames "
-        "that the reference drove are labelled and added."
-    ),
-    "safedagger_last": "SafeDAgger, but its safety policy predicts the deviation one second later.",
-    "safedagger_max": (
-        "SafeDAgger, but its safety policy predicts the largest deviation within the next second."
-    ),
-    "safedagger_rising": "SafeDAgger, but tau rises from iteration to iteration.",
-}
-"""Of RUNS: what tells them apart."""
 
 
 def runs(experiment: Experiment) -> str:
     """A line for each run that there is."""
     return "\n".join(
-        f"- {RUNS[run]}: {KINDS[run]}{_loop(experiment, run)}" for run in experiment.runs
+        f"- {experiment.title(run)}: {experiment.specs[run].words}{_loop(experiment, run)}"
+        for run in experiment.runs
     )
 
 
@@ -51,7 +33,7 @@ def _loop(experiment: Experiment, run: str) -> str:
 
 def _taus(experiment: Experiment, run: str) -> str:
     """Of the safety policies, where these decide in rollouts: one, or that of each iteration."""
-    if run not in VARIANTS:
+    if not experiment.specs[run].is_watched:
         return ""
     iterations = experiment.iterations(run)
     taus = [f"{experiment.of(run, i)[0].tau:g}" for i in iterations]

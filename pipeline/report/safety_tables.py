@@ -4,7 +4,7 @@ from collections.abc import Iterable, Mapping
 from statistics import fmean
 
 from pipeline.driving.metrics import METRICS
-from pipeline.evaluation.experiment import VARIANTS, Experiment
+from pipeline.evaluation.experiment import Experiment
 from pipeline.evaluation.metrics_file import SafetyQuality
 from pipeline.evaluation.wording import NOTHING, ratio, share, table
 from pipeline.report.material import ErrorShares
@@ -36,7 +36,7 @@ def safety(experiment: Experiment) -> str:
         ]
         return [", ".join(f"{tau:g}" for tau in taus), *measures]
 
-    runs = [run for run in experiment.runs if run in VARIANTS]
+    runs = [run for run in experiment.runs if experiment.specs[run].is_watched]
     header = ["tau", *(words for words, _ in QUALITY.values())]
     return by_iteration(experiment, runs, header, cells)
 

@@ -14,7 +14,7 @@ from pipeline.evaluation.summary import CONDITIONS
 from pipeline.evaluation.wording import CONDITION_WORDS, FORMS, NOTHING, interval, table
 from pipeline.rollout.strategies import Strategy
 
-WARM, SCRATCH = "safedagger", "scratch"
+WARM, SCRATCH = "warm", "scratch"
 _DRIVES = re.compile(r"seed_(?P<seed>\d+)/drives_scratch_(?P<iteration>\d+)\.csv")
 
 
@@ -22,7 +22,7 @@ def read_scratch(metrics: Path, experiment: Experiment) -> Experiment:
     """Two runs, WARM and SCRATCH: the iterations that a seed has both ways.
 
     Reads seed_<n>/drives_scratch_<i>.csv; all else of such a step is its warm counterpart's, and
-    without one there is nothing to compare it with.
+    without one, that began with the same primary, there is nothing to compare it with.
 
     Raises:
         ValueError: a file does not hold what it should.
@@ -33,13 +33,13 @@ def read_scratch(metrics: Path, experiment: Experiment) -> Experiment:
         if not named:
             continue
         seed, iteration = int(named["seed"]), int(named["iteration"])
-        warm = experiment.steps.get((seed, WARM, iteration))
-        if warm:
-            steps[seed, WARM, iteration] = warm
+        warm, drives = experiment.steps.get((seed, experiment.ours or "", iteration)), read_drives(path)
+        if warm and set(warm.drives.begun_with) == set(drives.begun_with):
+            steps[seed, WARM, iteration] = replace(warm, run=WARM)
             steps[seed, SCRATCH, iteration] = replace(
-                warm, run=SCRATCH, name=f"scratch_{iteration}", drives=read_drives(path)
+                warm, run=SCRATCH, name=f"scratch_{iteration}", drives=drives
             )
-    return Experiment(steps)
+    return Experiment(steps, {})
 
 
 def warm_or_scratch(pairs: Experiment) -> str:

@@ -7,7 +7,7 @@ from pipeline.data.ledger import Ledger, cumulative
 from pipeline.driving.metrics import METRICS
 from pipeline.evaluation.comparison import Cell, estimate
 from pipeline.evaluation.drives import among
-from pipeline.evaluation.experiment import RUNS, Experiment
+from pipeline.evaluation.experiment import Experiment
 from pipeline.evaluation.summary import CONDITIONS
 from pipeline.evaluation.wording import FORMS, brief_interval, count, share, table
 from pipeline.report.material import Material
@@ -74,7 +74,7 @@ def by_iteration(
 ) -> str:
     """A row for each run and iteration."""
     rows = [
-        [RUNS[run], str(iteration), *cells(run, iteration)]
+        [experiment.title(run), str(iteration), *cells(run, iteration)]
         for run in runs
         for iteration in experiment.iterations(run)
     ]

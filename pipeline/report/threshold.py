@@ -4,9 +4,11 @@ import re
 from collections import defaultdict
 from pathlib import Path
 
+from pipeline.evaluation.drives import read_drives
 from pipeline.evaluation.experiment import Experiment, Step, read_step
+from pipeline.runs import FIRST
 
-RUN = "safedagger"
+RUN = FIRST
 """Stands for all runs that begin with this primary."""
 _DRIVES = re.compile(r"seed_(?P<seed>\d+)/drives_(?P<name>0|tau_\d+)\.csv")
 
@@ -29,8 +31,10 @@ def read_thresholds(metrics: Path) -> dict[float, Experiment]:
         if named["seed"] in varied:
             folder, name = metrics / f"seed_{named['seed']}", named["name"]
             step = read_step(folder, int(named["seed"]), RUN, 0, name)
+            if set(step.drives.primary) != set(read_drives(folder / f"drives_{FIRST}.csv").primary):
+                continue  # it watched another primary, of an earlier run
             if (step.seed, RUN, 0) in steps[step.tau]:
                 problem = f"tau is {step.tau:g} again, expected another"
                 raise ValueError(f"{metrics / named[0]}: {problem}")
             steps[step.tau][step.seed, RUN, 0] = step
-    return {tau: Experiment(steps[tau]) for tau in sorted(steps)}
+    return {tau: Experiment(steps[tau], {}) for tau in sorted(steps)}

@@ -4,7 +4,7 @@ import pandas as pd
 
 from pipeline.driving.metrics import METRICS
 from pipeline.evaluation.drives import among
-from pipeline.evaluation.experiment import RUNS, Experiment
+from pipeline.evaluation.experiment import Experiment
 from pipeline.evaluation.summary import CONDITIONS, measure
 from pipeline.evaluation.wording import FORMS, NOTHING, table
 from pipeline.report.tables import NAIVE, SAFE
@@ -19,7 +19,9 @@ def by_track(experiment: Experiment) -> str:
     for run in experiment.runs:
         last = experiment.among(run=run, iteration=experiment.iterations(run)[-1])
         for track, drives in last.groupby("scenario"):
-            rows.append([RUNS[run], str(track), *(_cell(drives, *each) for each in SHOWN)])
+            rows.append(
+                [experiment.title(run), str(track), *(_cell(drives, *each) for each in SHOWN)]
+            )
     header = [f"{METRICS[metric].title}, {strategy}" for metric, strategy in SHOWN]
     return table(["Run", "Track", *header], rows, words=2)
 

@@ -12,9 +12,12 @@ from pipeline.evaluation.experiment import Experiment, Step
 from pipeline.evaluation.metrics_file import SafetyQuality
 from pipeline.report.material import ErrorShares, Material
 from pipeline.rollout.strategies import Strategy
-from tests.evaluation.sample import CARS, TRACKS, outcome
+from tests.evaluation.sample import CARS, COMPARISON, TRACKS, outcome
 
 FRAMES = 1000
+SPECS = COMPARISON.runs
+TITLES = {name: run.name for name, run in SPECS.items()}
+STRATEGIES, VARIANTS = (getattr(Experiment({}, SPECS), kind) for kind in ("strategies", "variants"))
 
 
 @dataclass(frozen=True)
@@ -49,10 +52,10 @@ SLOW = [
     Level(laps=(2.4, 2.1), error=(0.015, 0.024), takeover=(0.07, 0.18), queries=5_000),
 ]
 GOOD: Table = {
-    "supervised": SLOW,
+    "safedagger": GROWING,
     "dagger": SLOW,
     "dagger_budget": [replace(level, queries=FULL.queries * 3) for level in SLOW],
-    "safedagger": GROWING,
+    "supervised": SLOW,
     "safedagger_last": GROWING,
     "safedagger_max": GROWING,
     "safedagger_rising": GROWING,
@@ -72,7 +75,7 @@ def ending(levels: list[Level], **changes: Any) -> list[Level]:
 
 def experiment(table: Table, seeds: int = 1, starts: int = 4) -> Experiment:
     """Every run's iterations from 0, on all of TRACKS; the seeds are equal."""
-    return Experiment(
+    return of_steps(
         {
             (seed, run, iteration): _step(seed, run, iteration, level, starts)
             for seed in range(seeds)
@@ -82,9 +85,14 @@ def experiment(table: Table, seeds: int = 1, starts: int = 4) -> Experiment:
     )
 
 
+def of_steps(steps: Mapping[tuple[int, str, int], Step]) -> Experiment:
+    """With the runs of the comparison at the default scale."""
+    return Experiment(steps, SPECS)
+
+
 def changed(made_up: Experiment, change: Callable[[Step], Step]) -> Experiment:
     """The same, but for what `change` makes of each step."""
-    return Experiment({key: change(step) for key, step in made_up.steps.items()})
+    return of_steps({key: change(step) for key, step in made_up.steps.items()})
 
 
 def with_optimal(step: Step, **changes: Any) -> Step:
@@ -113,7 +121,7 @@ def material(made_up: Experiment, **changes: Any) -> Material:
     """An experiment, and each seed's D_safe and errors; nothing else beside it."""
     parts: dict[str, Any] = {
         "thresholds": {},
-        "scratch": Experiment({}),
+        "scratch": of_steps({}),
         "d_safe": {seed: Ledger(5600, 5600, 5600, 5600, 1.0) for seed in made_up.seeds},
         "errors": {
             seed: ErrorShares(0.0025, 0.95, 0.8, share=0.777, tau_for_share=0.0018)

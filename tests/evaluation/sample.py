@@ -8,7 +8,11 @@ import pandas as pd
 
 from pipeline.evaluation.drives import table, write_drives
 from pipeline.evaluation.writing import write_metrics
+from pipeline.output import write_file
+from pipeline.runs import Comparison, read_params
 
+ROOT = Path(__file__).parents[2]
+COMPARISON = Comparison.of(read_params(ROOT / "scales/experiment.yaml"))
 TRACKS = ("spruce", "willow", "yew")
 CARS = 40
 # (laps, damage, share driven by the reference) of iterations 0 to 3
@@ -92,6 +96,8 @@ def quality(auroc: float | None) -> dict[str, float | None]:
 
 def write_run(metrics: Path, plan: Mapping = GOOD, iterations: int = 3) -> Path:
     """Every file that the report reads."""
+    runs = COMPARISON.model_dump_json(exclude_defaults=True)
+    write_file(metrics / "runs.json", runs.encode())
     for i in range(iterations + 1):
         step = f"safedagger_{i}" if i else "0"
         write_drives(metrics / f"drives_{step}.csv", drives(i, plan))

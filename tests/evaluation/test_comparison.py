@@ -8,11 +8,10 @@ import pytest
 from pipeline.driving.metrics import METRICS
 from pipeline.evaluation.comparison import Cell, Contrast, contrast, estimate
 from pipeline.evaluation.drives import among, table
-from pipeline.evaluation.experiment import Experiment
 from pipeline.evaluation.statistics import Estimate
 from pipeline.evaluation.summary import CONDITIONS, measure
 from pipeline.rollout.strategies import Strategy
-from tests.evaluation.made_up import Level, experiment, only, redriven
+from tests.evaluation.made_up import Level, experiment, of_steps, only, redriven
 from tests.evaluation.sample import outcome
 
 TABLE = {
@@ -46,7 +45,7 @@ def test_the_interquartile_mean_leaves_out_what_failed() -> None:
     step = steps[0, "dagger", 1]
     steps[0, "dagger", 1] = redriven(step, {"laps": 0.0}, start=0)
     mean, middle = (
-        estimate(Experiment(steps), metric, cell("dagger", 1)) for metric in ("laps", "laps_iqm")
+        estimate(of_steps(steps), metric, cell("dagger", 1)) for metric in ("laps", "laps_iqm")
     )
     assert mean and middle and (mean.value, middle.value) == (1.125, 1.5)
 
@@ -57,7 +56,7 @@ def test_pairs_are_those_that_both_have() -> None:
     del steps[1, "dagger", 1]
     step = steps[0, "dagger", 1]
     steps[0, "dagger", 1] = only(step, scenario=["spruce", "willow"])
-    found = contrast(Experiment(steps), "laps", cell("safedagger", 0), cell("dagger", 1))
+    found = contrast(of_steps(steps), "laps", cell("safedagger", 0), cell("dagger", 1))
     assert found == Contrast(1.0, 1.5, Estimate(-0.5, -0.5, -0.5, 8))
 
 
@@ -78,8 +77,8 @@ def test_the_order_of_seeds_and_drives_does_not_matter() -> None:
     }
     for metric in METRICS:
         cells = cell("safedagger", 1), cell("dagger", 1)
-        assert estimate(Experiment(steps), metric, cells[0]) == estimate(made_up, metric, cells[0])
-        assert contrast(Experiment(steps), metric, *cells) == contrast(made_up, metric, *cells)
+        assert estimate(of_steps(steps), metric, cells[0]) == estimate(made_up, metric, cells[0])
+        assert contrast(of_steps(steps), metric, *cells) == contrast(made_up, metric, *cells)
 
 
 def test_two_drives_of_one_situation_are_refused() -> None:
@@ -89,4 +88,4 @@ def test_two_drives_of_one_situation_are_refused() -> None:
     steps[0, "dagger", 1] = replace(step, drives=twice)
     problem = "seed 0, dagger, iteration 1: two drives of naive, no_traffic, yew, start 0"
     with pytest.raises(ValueError, match=f"{problem}, expected one"):
-        estimate(Experiment(steps), "laps", cell("dagger", 1))
+        estimate(of_steps(steps), "laps", cell("dagger", 1))

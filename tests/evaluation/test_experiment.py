@@ -2,14 +2,17 @@
 
 import json
 import shutil
+from collections.abc import Iterable
 from pathlib import Path
+from typing import Any
 
 import pandas as pd
 import pytest
 
-from pipeline.evaluation.experiment import RUNS, Experiment, read_experiment
+from pipeline.evaluation.drives import read_drives, write_drives
+from pipeline.evaluation.experiment import Experiment, read_experiment
 from pipeline.rollout.strategies import Strategy
-from tests.evaluation.sample import CARS, TRACKS, drives, write_run
+from tests.evaluation.sample import CARS, COMPARISON, TRACKS, drives, write_run
 
 
 def write_seed(metrics: Path, seed: int, *others: str) -> Path:
@@ -26,7 +29,7 @@ def test_every_seed_and_run_is_read(tmp_path: Path) -> None:
     write_seed(tmp_path, 2)
     experiment = read_experiment(tmp_path)
     assert experiment.seeds == [2, 10]
-    assert experiment.runs == ["supervised", "dagger_budget", "safedagger"]
+    assert experiment.runs == ["safedagger", "dagger_budget", "supervised"]
     assert experiment.iterations("dagger_budget") == [0, 1, 2, 3]
     assert experiment.iterations("dagger") == []
     assert [step.seed for step in experiment.of("safedagger", 1)] == [2, 10]
@@ -112,6 +115,64 @@ def test_no_results_are_refused(tmp_path: Path, folders: list[str]) -> None:
         read_experiment(tmp_path)
 
 
-def test_runs_come_in_the_order_of_the_report() -> None:
-    assert Experiment({}).runs == []
-    assert list(RUNS).index("dagger") < list(RUNS).index("safedagger")
+def test_runs_come_in_the_order_in_which_they_were_told(tmp_path: Path) -> None:
+    write_seed(tmp_path, 0, "supervised", "dagger_budget")
+    found = read_experiment(tmp_path)
+    assert found.runs == [run for run in COMPARISON.runs if run in found.runs]
+    assert found.ours == "safedagger"
+    assert found.strategies == ["safedagger", "dagger", "dagger_budget", "supervised"]
+    assert found.variants[0] == "safedagger" and len(found.variants) == 4
+    assert Experiment({}, {}).runs == [] and Experiment({}, {}).ours is None
+
+
+def test_drives_of_a_run_that_nobody_knows_are_refused(tmp_path: Path) -> None:
+    write_seed(tmp_path, 0, "dager")
+    with pytest.raises(ValueError, match=r"seed_0: drives of a run 'dager', expected one of safed"):
+        read_experiment(tmp_path)
+
+
+def test_a_run_need_be_told_on_one_seed_only(tmp_path: Path) -> None:
+    """A seed that was run again by default, on one on which all had been compared."""
+    write_seed(tmp_path, 0, "dagger")
+    write_seed(tmp_path, 1)
+    tell(tmp_path / "seed_0", runs=["safedagger"], from_scratch=[], driven_by="naive")
+    found = read_experiment(tmp_path)
+    assert (found.runs, found.left_out) == (["safedagger", "dagger"], ())
+
+
+def test_what_was_told_something_else_is_left_out(tmp_path: Path) -> None:
+    for seed in (0, 1):
+        write_seed(tmp_path, seed, "dagger")
+    tell(tmp_path / "seed_1", samples=[7])
+    found = read_experiment(tmp_path)
+    assert {key[:2] for key in found.steps} == {
+        (0, "safedagger"), (0, "dagger"), (1, "dagger")
+    }  # fmt: skip
+    assert found.left_out == ("SafeDAgger, seed 1: told something else than elsewhere.",)
+
+
+def test_what_began_with_another_primary_is_left_out(tmp_path: Path) -> None:
+    """SafeDAgger was run again on another processor: its first primary is another there."""
+    folder = write_seed(tmp_path, 0, "dagger")
+    write_seed(tmp_path, 1, "dagger")
+    for file in (folder / "drives_0.csv", *folder.glob("drives_safedagger_*.csv")):
+        write_drives_again(file, begun_with="f" * 64)
+    found = read_experiment(tmp_path)
+    assert {key[:2] for key in found.steps} == {
+        (0, "safedagger"), (1, "safedagger"), (1, "dagger")
+    }  # fmt: skip
+    assert found.left_out == ("DAgger, seed 0: began with another primary.",)
+
+
+def tell(folder: Path, runs: Iterable[str] | None = None, **changes: Any) -> None:
+    """Other runs, or another SafeDAgger."""
+    told = json.loads((folder / "runs.json").read_text())
+    told["runs"]["safedagger"] |= changes
+    told["runs"] = {name: told["runs"][name] for name in runs or told["runs"]}
+    (folder / "runs.json").write_text(json.dumps(told))
+
+
+def write_drives_again(file: Path, **changes: Any) -> None:
+    found = read_drives(file).assign(**changes)
+    file.unlink()
+    write_drives(file, found)

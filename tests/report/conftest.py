@@ -2,9 +2,9 @@
 
 import pytest
 
-from pipeline.evaluation.experiment import VARIANTS, Experiment, Step
+from pipeline.evaluation.experiment import Experiment, Step
 from tests.evaluation import made_up
-from tests.evaluation.made_up import GOOD, changed, experiment, scattered
+from tests.evaluation.made_up import GOOD, VARIANTS, changed, experiment, scattered
 
 TABLE = {run: scattered(list(levels)) for run, levels in GOOD.items()}
 

@@ -10,10 +10,12 @@ import numpy as np
 import pytest
 from matplotlib.figure import Figure
 
-from pipeline.evaluation.experiment import RUNS, TRAINING, VARIANTS, Experiment, Step
+from pipeline.evaluation.experiment import Experiment, Step
 from pipeline.inspection.canvas import png
 from pipeline.report.figures import (
-    TITLES,
+    TITLES as FIGURES,
+)
+from pipeline.report.figures import (
     cost,
     driving,
     optimal,
@@ -25,8 +27,13 @@ from tests.evaluation.made_up import (
     FULL,
     GROWING,
     SLOW,
+    SPECS,
+    STRATEGIES,
+    TITLES,
+    VARIANTS,
     changed,
     experiment,
+    of_steps,
     only,
     redriven,
     with_optimal,
@@ -34,10 +41,10 @@ from tests.evaluation.made_up import (
 from tests.report.drawn import curves, panels, words
 
 DRAW: dict[str, Callable[[Experiment], Figure | None]] = {
-    "driving": partial(driving, runs=TRAINING),
+    "driving": partial(driving, runs=STRATEGIES),
     "variants": partial(driving, runs=VARIANTS),
-    "takeover": partial(takeover, runs=TRAINING),
-    "cost": partial(cost, runs=TRAINING),
+    "takeover": partial(takeover, runs=STRATEGIES),
+    "cost": partial(cost, runs=STRATEGIES),
     "optimal": optimal,
     "result": result,
 }
@@ -113,11 +120,11 @@ def test_over_the_iterations_there_is_what_has_something_to_show(whole: Experime
     training = {"strategies", "strategies_takeover", "strategies_cost"}
     assert names(experiment({"safedagger": GROWING}, starts=1)) == training
     assert names(experiment({"dagger": SLOW}, starts=1)) == training
-    assert names(whole) == TITLES.keys()
+    assert names(whole) == FIGURES.keys()
 
 
 def test_driving_has_a_line_for_each_run_with_its_metric() -> None:
-    figure = driving(experiment({"dagger": SLOW, "safedagger": GROWING}), TRAINING)
+    figure = driving(experiment({"dagger": SLOW, "safedagger": GROWING}), STRATEGIES)
     shown = panels(figure)
     metrics = ("Laps: naive", "Steering MSE: naive", "Steering MSE: safe")
     assert [title for title, _ in shown] == [
@@ -143,7 +150,9 @@ def test_a_panel_is_drawn_as_soon_as_one_drive_differs() -> None:
         here = (step.run, step.iteration) == ("dagger", 2)
         return redriven(step, {"laps": 2.99}, **one) if here else step
 
-    figure = driving(changed(experiment({"dagger": SLOW, "safedagger": GROWING}), slower), TRAINING)
+    figure = driving(
+        changed(experiment({"dagger": SLOW, "safedagger": GROWING}), slower), STRATEGIES
+    )
     assert ("Laps: safe, no traffic", "iteration") in panels(figure)
     assert words(figure).endswith("Laps 3.00: safe, traffic.")
 
@@ -161,7 +170,7 @@ def test_damage_is_shown_per_lap() -> None:
     hit = changed(experiment({"dagger": SLOW}), damaged)
     for where in ("no traffic", "traffic"):
         (points,) = curves(
-            panels(driving(hit, TRAINING))[f"Damage per lap: naive, {where}", "iteration"]
+            panels(driving(hit, STRATEGIES))[f"Damage per lap: naive, {where}", "iteration"]
         ).values()
         assert [y for _, y in points] == [0.0, 1.0, 2.0, 3.0]
 
@@ -169,7 +178,7 @@ def test_damage_is_shown_per_lap() -> None:
 def test_takeover_is_that_of_the_safe_strategy() -> None:
     shown = panels(takeover(experiment({"safedagger_max": GROWING}), VARIANTS))
     points = curves(shown["Takeover: safe, traffic", "iteration"])[
-        f"{RUNS['safedagger_max']} (traffic)"
+        f"{TITLES['safedagger_max']} (traffic)"
     ]
     assert points == [(0, 0.2), (1, 0.15), (2, 0.1), (3, 0.05)]
 
@@ -182,7 +191,7 @@ def test_laps_stand_over_the_mean_cost_of_the_seeds() -> None:
         trained = 2000 + 100 * step.iteration + 200 * step.seed
         return replace(step, ledger=replace(step.ledger, queries=queries, frames_trained=trained))
 
-    shown = panels(cost(changed(made_up, dearer), TRAINING))
+    shown = panels(cost(changed(made_up, dearer), STRATEGIES))
     asked = curves(shown["Laps: naive, no traffic", "queries of the loop so far, log scale"])[
         "DAgger"
     ]
@@ -194,9 +203,9 @@ def test_laps_stand_over_the_mean_cost_of_the_seeds() -> None:
 
 def test_the_optimal_safety_policy_is_shown_beside_the_learned_ones(whole: Experiment) -> None:
     shown = panels(optimal(whole))
-    runs = [run for run in RUNS if run not in VARIANTS[1:]]
+    runs = [run for run in SPECS if run not in VARIANTS[1:]]
     assert [title for title, _ in shown] == [
-        f"{metric}: {RUNS[run]}, {where}"
+        f"{metric}: {TITLES[run]}, {where}"
         for run in runs
         for metric in ("Takeover", "Laps")
         for where in ("no traffic", "traffic")
@@ -214,7 +223,7 @@ def test_only_what_is_there_is_drawn() -> None:
         experiment({"supervised": SLOW[:2]}, starts=1),
         lambda step: only(step, condition="no_traffic"),
     )
-    figures = [driving(alone, TRAINING), takeover(alone, TRAINING), cost(alone, TRAINING)]
+    figures = [driving(alone, STRATEGIES), takeover(alone, STRATEGIES), cost(alone, STRATEGIES)]
     assert [len(panels(figure)) for figure in figures] == [3, 1, 2]
     for figure in figures:
         for axes in panels(figure).values():
@@ -226,7 +235,7 @@ def test_there_is_no_figure_of_nothing() -> None:
     made_up = experiment({"dagger": SLOW})
     assert driving(made_up, VARIANTS) is None
     assert takeover(made_up, ()) is None
-    assert cost(Experiment({}), TRAINING) is None
+    assert cost(of_steps({}), STRATEGIES) is None
     assert optimal(made_up) is None
 
 

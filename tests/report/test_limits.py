@@ -9,6 +9,10 @@ from pipeline.report.limits import limits
 from tests.evaluation.made_up import GROWING, SLOW, changed, experiment, with_optimal
 
 
+def limits_of(made_up: Experiment) -> str:
+    return limits(made_up, "safedagger")
+
+
 def judged(step: Step) -> Step:
     """Iterations 0, 1 and 2 decided in a rollout; seed 1 better than seed 0."""
     better = 0.1 * step.seed
@@ -23,7 +27,7 @@ def made_up() -> Experiment:
 
 def test_each_limit_has_its_numbers() -> None:
     optimal = partial(with_optimal, takeover_frames=150, primary_frames=850)
-    found, takeover, steering = limits(changed(made_up(), optimal)).splitlines()
+    found, takeover, steering = limits_of(changed(made_up(), optimal)).splitlines()
     assert "called unsafe 35.0 % to 55.0 % of the truly unsafe frames" in found
     assert "an AUROC of 0.65 to 0.85 (" in found
     assert takeover.startswith("- After iteration 3, the reference drives 2.0 % and 5.0 % of the")
@@ -34,11 +38,11 @@ def test_each_limit_has_its_numbers() -> None:
 
 def test_what_was_not_measured_has_no_point() -> None:
     unjudged = changed(made_up(), lambda step: replace(step, next_rollout=None))
-    (only,) = limits(unjudged).splitlines()
+    (only,) = limits_of(unjudged).splitlines()
     assert "steering MSE" in only
-    assert limits(experiment({"safedagger": GROWING})) == ""
+    assert limits_of(experiment({"safedagger": GROWING})) == ""
 
 
 def test_a_single_rollout_has_no_range() -> None:
     once = experiment({"safedagger": GROWING[:1]})
-    assert "unsafe 50.0 % of the truly" in limits(changed(once, judged))
+    assert "unsafe 50.0 % of the truly" in limits_of(changed(once, judged))

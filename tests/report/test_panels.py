@@ -5,17 +5,27 @@ import numpy as np
 import pytest
 
 from pipeline.evaluation.comparison import Cell, estimate
-from pipeline.evaluation.experiment import TRAINING, VARIANTS, Experiment, Step
+from pipeline.evaluation.experiment import Experiment, Step
 from pipeline.inspection.canvas import png
 from pipeline.report.figures import cost, driving, takeover
-from pipeline.report.looks import LOOKS
+from pipeline.report.looks import of_key
 from pipeline.rollout.strategies import Strategy
-from tests.evaluation.made_up import FRAMES, GROWING, SLOW, changed, experiment, redriven
+from tests.evaluation.made_up import (
+    FRAMES,
+    GROWING,
+    SLOW,
+    STRATEGIES,
+    VARIANTS,
+    changed,
+    experiment,
+    of_steps,
+    redriven,
+)
 from tests.report.drawn import curves, panels
 
 
 def test_traffic_is_dashed_and_its_markers_are_open(whole: Experiment) -> None:
-    shown = panels(takeover(whole, TRAINING))
+    shown = panels(takeover(whole, STRATEGIES))
     for title, dashed in (("Takeover: safe, no traffic", False), ("Takeover: safe, traffic", True)):
         for line in shown[title, "iteration"].get_lines():
             assert line.is_dashed() == dashed
@@ -23,7 +33,7 @@ def test_traffic_is_dashed_and_its_markers_are_open(whole: Experiment) -> None:
 
 
 def test_intervals_are_drawn_where_the_points_are(whole: Experiment) -> None:
-    axes = panels(driving(whole, TRAINING))["Laps: naive, traffic", "iteration"]
+    axes = panels(driving(whole, STRATEGIES))["Laps: naive, traffic", "iteration"]
     (line,) = (line for line in axes.get_lines() if line.get_label() == "DAgger")
     (bars,) = (bars for bars in axes.collections if bars.get_transform() == line.get_transform())
     found = [
@@ -38,7 +48,7 @@ def test_intervals_are_drawn_where_the_points_are(whole: Experiment) -> None:
 
 def test_every_line_has_its_own_place_in_the_panel(whole: Experiment) -> None:
     """Lines that coincide are drawn beside each other, though their points are the data's."""
-    axes = panels(driving(whole, TRAINING))["Laps: safe, no traffic", "iteration"]
+    axes = panels(driving(whole, STRATEGIES))["Laps: safe, no traffic", "iteration"]
     lines = [line for line in axes.get_lines() if not str(line.get_label()).startswith("_")]
     places = [line.get_transform().transform((1.0, 3.0))[0] for line in lines]
     assert len(lines) == 4
@@ -47,7 +57,7 @@ def test_every_line_has_its_own_place_in_the_panel(whole: Experiment) -> None:
 
 def test_what_a_line_cost_is_where_it_is_on_x(whole: Experiment) -> None:
     """No line looks cheaper than one that asked as often; equal points differ in size."""
-    for axes in panels(cost(whole, TRAINING)).values():
+    for axes in panels(cost(whole, STRATEGIES)).values():
         lines = [line for line in axes.get_lines() if not str(line.get_label()).startswith("_")]
         places = {line.get_transform().transform((3000.0, 3.0))[0].round(6) for line in lines}
         sizes = [float(line.get_markersize()) for line in lines]
@@ -56,7 +66,7 @@ def test_what_a_line_cost_is_where_it_is_on_x(whole: Experiment) -> None:
 
 
 def test_the_scale_of_the_queries_has_room_for_none_and_grows_by_factors() -> None:
-    axes = panels(cost(experiment({"dagger": SLOW, "safedagger": GROWING}), TRAINING))[
+    axes = panels(cost(experiment({"dagger": SLOW, "safedagger": GROWING}), STRATEGIES))[
         "Laps: naive, traffic", "queries of the loop so far, log scale"
     ]
     nothing, first, double, four = axes.transData.transform(
@@ -68,7 +78,7 @@ def test_the_scale_of_the_queries_has_room_for_none_and_grows_by_factors() -> No
 
 
 def test_runs_of_different_length_share_a_panel() -> None:
-    axes = panels(takeover(experiment({"dagger": SLOW[:2], "safedagger": GROWING}), TRAINING))
+    axes = panels(takeover(experiment({"dagger": SLOW[:2], "safedagger": GROWING}), STRATEGIES))
     points = curves(axes["Takeover: safe, no traffic", "iteration"])
     assert {run: len(line) for run, line in points.items()} == {"SafeDAgger": 4, "DAgger": 2}
     assert [*axes["Takeover: safe, no traffic", "iteration"].get_xticks()] == [0, 1, 2, 3]
@@ -82,7 +92,7 @@ def test_what_is_not_defined_leaves_a_gap() -> None:
         strategies = ("naive", "safe") if step.iteration == 1 else ("safe",)
         return redriven(step, none, strategy=strategies)
 
-    figure = driving(changed(experiment({"dagger": SLOW}), idle), TRAINING)
+    figure = driving(changed(experiment({"dagger": SLOW}), idle), STRATEGIES)
     shown = panels(figure)
     naive = curves(shown["Steering MSE: naive, no traffic", "iteration"])["DAgger"]
     assert [np.isnan(y) for _, y in naive] == [False, True, False, False]
@@ -93,9 +103,10 @@ def test_what_is_not_defined_leaves_a_gap() -> None:
 
 def test_lines_of_a_panel_differ_in_marker_and_brightness() -> None:
     """At least 8 of the 100 steps of CIELAB's L*, and for grey prints as many."""
-    for runs in (TRAINING, VARIANTS, (Strategy.SAFE, Strategy.OPTIMAL)):
-        assert len({LOOKS[run][1] for run in runs}) == len(runs)
-        levels = sorted(_brightness(LOOKS[run][0]) for run in runs)
+    for runs in (STRATEGIES, VARIANTS, (Strategy.SAFE, Strategy.OPTIMAL)):
+        looks = [of_key(of_steps({}), run)[1:] for run in runs]
+        assert len({marker for _, marker in looks}) == len(runs)
+        levels = sorted(_brightness(colour) for colour, _ in looks)
         assert min(np.diff(levels)) >= 8
 
 

@@ -3,15 +3,16 @@
 from dataclasses import replace
 
 from pipeline.claims.verdicts import verdicts
-from pipeline.evaluation.experiment import RUNS, Experiment
 from tests.evaluation.made_up import (
     FULL,
     GOOD,
     GROWING,
     SLOW,
+    SPECS,
     changed,
     ending,
     experiment,
+    of_steps,
     only,
     scattered,
     with_optimal,
@@ -40,7 +41,7 @@ def test_sections_come_in_order_and_without_runs_they_are_left_out() -> None:
     tau = {0.01: experiment({"safedagger": GROWING[:1]})}
     pairs = experiment({"safedagger": GROWING})
     scratch = replace(pairs.steps[0, "safedagger", 3], run="scratch")
-    pairs = Experiment({**pairs.steps, (0, "scratch", 3): scratch})
+    pairs = of_steps({**pairs.steps, (0, "scratch", 3): scratch})
     every = [
         "Claims of the paper",
         "Over the iterations",
@@ -101,7 +102,7 @@ def test_nothing_is_missing_of_a_whole_experiment() -> None:
     )
     beside = {
         "thresholds": {0.01: whole},
-        "scratch": Experiment({(0, "scratch", 3): whole.steps[0, "dagger", 3]}),
+        "scratch": of_steps({(0, "scratch", 3): whole.steps[0, "dagger", 3]}),
     }
     assert (
         section(report(whole, **beside), "What is missing").strip()
@@ -121,10 +122,10 @@ def test_what_is_missing_is_named() -> None:
     cut = steps[0, "safedagger_max", 1]
     kept = cut.drives.query("strategy != 'safe' or traffic == 0 or scenario != 'yew'")
     steps[0, "safedagger_max", 1] = replace(cut, drives=kept)
-    found = section(report(Experiment(steps), errors={}), "What is missing").strip().splitlines()
+    found = section(report(of_steps(steps), errors={}), "What is missing").strip().splitlines()
     assert found == [
-        "- supervised: no results, hence no verdict on 1 claim.",
         "- DAgger: no results, hence no verdict on 4 claims.",
+        "- supervised: no results, hence no verdict on 1 claim.",
         "- SafeDAgger, seed 1: no iteration 2, 3.",
         "- SafeDAgger, 1 s ahead (last), seed 1: no results.",
         "- SafeDAgger, 1 s ahead (max), seed 0, iteration 1: 8 of 12 drives of safe, with traffic.",
@@ -153,11 +154,11 @@ def test_equal_experiments_give_equal_bytes() -> None:
         experiment({"dagger": scattered(SLOW), "safedagger": scattered(GROWING)}, seeds=2),
         lambda step: replace(step, drives=step.drives[1:]),
     )
-    backwards = Experiment(dict(reversed(made_up.steps.items())))
+    backwards = of_steps(dict(reversed(made_up.steps.items())))
     assert report(made_up) == report(made_up) == report(backwards)
     assert report(made_up).count(" drives of naive, without traffic.") == 16
 
 
 def test_every_run_has_its_name() -> None:
     text = report(experiment(GOOD))
-    assert all(f"| {name} |" in text for name in RUNS.values())
+    assert all(f"| {name} |" in text for name in (run.name for run in SPECS.values()))

@@ -2,15 +2,16 @@
 
 from dataclasses import replace
 
-from pipeline.evaluation.experiment import RUNS, Experiment, Step
-from pipeline.report.runs import KINDS, runs
-from tests.evaluation.made_up import GOOD, changed, experiment
+from pipeline.evaluation.experiment import Step
+from pipeline.report.runs import runs
+from tests.evaluation.made_up import GOOD, SPECS, changed, experiment, of_steps
 
 
 def test_every_run_that_there_is_has_its_line() -> None:
     lines = runs(experiment({run: GOOD[run] for run in ("dagger", "safedagger_max")})).splitlines()
-    assert [line.split(":")[0] for line in lines] == ["- DAgger", "- SafeDAgger, 1 s ahead (max)"]
-    assert KINDS.keys() == RUNS.keys()
+    assert [line.split(" Loop")[0] for line in lines] == [
+        f"- {SPECS[run].name}: {SPECS[run].words}" for run in ("dagger", "safedagger_max")
+    ]
 
 
 def test_the_loop_is_that_of_the_ledgers() -> None:
@@ -36,8 +37,8 @@ def test_tau_is_that_of_the_iterations() -> None:
         return replace(step, tau=0.01 * 2**step.iteration)
 
     made_up = experiment({run: GOOD[run] for run in ("safedagger", "safedagger_rising", "dagger")})
-    dagger, fixed, _ = runs(made_up).splitlines()
-    assert "tau" not in dagger
+    fixed, dagger, _ = runs(made_up).splitlines()
+    assert "; tau" not in dagger
     assert fixed.endswith("; tau 0.0025.")
     assert runs(changed(made_up, rising)).endswith(
         "; tau 0.01, 0.02, 0.04, 0.08 after iterations 0, 1, 2, 3."
@@ -46,4 +47,4 @@ def test_tau_is_that_of_the_iterations() -> None:
 
 def test_without_a_loop_there_is_nothing_to_say_of_it() -> None:
     first = {key: step for key, step in experiment(GOOD).steps.items() if step.iteration == 0}
-    assert "Loop" not in runs(Experiment(first))
+    assert "Loop" not in runs(of_steps(first))

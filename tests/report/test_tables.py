@@ -1,6 +1,5 @@
 """Each table holds the numbers of its inputs."""
 
-from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
 
@@ -8,18 +7,23 @@ import pytest
 
 from pipeline.data.ledger import Ledger
 from pipeline.evaluation.comparison import Cell, estimate
-from pipeline.evaluation.experiment import RUNS, VARIANTS, Experiment, Step
+from pipeline.evaluation.experiment import Experiment, Step
 from pipeline.evaluation.metrics_file import SafetyQuality
 from pipeline.evaluation.wording import laps
 from pipeline.report.material import ErrorShares
+from pipeline.report.threshold import RUN
 from pipeline.rollout.strategies import Strategy
 from tests.evaluation.made_up import (
     FULL,
     GOOD,
     GROWING,
     SLOW,
+    SPECS,
+    TITLES,
+    VARIANTS,
     changed,
     experiment,
+    of_steps,
     redriven,
     scattered,
     with_optimal,
@@ -46,7 +50,9 @@ def numbers(text: str) -> str:
 def test_every_run_and_iteration_has_its_row(header: str) -> None:
     made_up = experiment({run: levels for run, levels in GOOD.items() if run != "dagger"})
     found = rows(numbers(report(made_up)), header)
-    assert list(found) == [(RUNS[run], str(i)) for run in RUNS if run != "dagger" for i in range(4)]
+    assert list(found) == [
+        (TITLES[run], str(i)) for run in SPECS if run != "dagger" for i in range(4)
+    ]
     assert {len(cells) for cells in found.values()} == {TABLES[header]}
 
 
@@ -116,7 +122,7 @@ def test_the_safety_policies_on_held_out_frames_and_in_the_next_rollout() -> Non
         )
 
     found = rows(report(changed(experiment(GOOD, seeds=2), judged)), "AUROC")
-    assert list(found) == [(RUNS[run], str(i)) for run in VARIANTS for i in range(4)]
+    assert list(found) == [(TITLES[run], str(i)) for run in VARIANTS for i in range(4)]
     assert found["SafeDAgger, rising tau", "1"] == [
         "0.005",
         "0.85 / 0.70",
@@ -129,17 +135,20 @@ def test_the_safety_policies_on_held_out_frames_and_in_the_next_rollout() -> Non
 
 
 def test_the_thresholds_are_side_by_side() -> None:
-    def told_apart(share: float | None) -> Callable[[Step], Step]:
-        return lambda step: replace(step, held_out=SafetyQuality(None, None, None, share, None))
+    def told_apart(made_up: Experiment, share: float | None) -> Experiment:
+        quality = SafetyQuality(None, None, None, share, None)
+        return of_steps(
+            {
+                (seed, RUN, 0): replace(step, run=RUN, held_out=quality)
+                for (seed, _, _), step in made_up.steps.items()
+            }
+        )
 
     first, last = (
         experiment({"safedagger": GROWING[:1]}, seeds=2),
         experiment({"safedagger": GROWING[3:]}),
     )
-    thresholds = {
-        0.000625: changed(first, told_apart(0.417)),
-        0.04: changed(last, told_apart(None)),
-    }
+    thresholds = {0.000625: told_apart(first, 0.417), 0.04: told_apart(last, None)}
     found = section(report(experiment(GOOD), thresholds=thresholds), "Other thresholds")
     strict, lax = found.strip().splitlines()[-2:]
     assert strict.startswith("| 0.000625 | 0, 1 | 41.7 % | 3.00 / 3.00")
@@ -173,7 +182,7 @@ def test_track_by_track_after_the_last_iteration_over_all_seeds() -> None:
     )
     found = rows(text, "Takeover, safe")
     assert list(found) == [
-        (run, track) for run in ("DAgger", "SafeDAgger") for track in ("spruce", "willow", "yew")
+        (run, track) for run in ("SafeDAgger", "DAgger") for track in ("spruce", "willow", "yew")
     ]
     assert found["DAgger", "spruce"] == ["2.10 / 1.60", "3.00 / 3.00", "0 / 0", "7.5 % / 19.0 %"]
     assert found["SafeDAgger", "yew"] == ["3.00 / 1.50", "3.00 / 1.50", "0 / 2", "2.0 % / 5.0 %"]
@@ -183,6 +192,6 @@ def test_a_track_without_drives_of_a_strategy_has_no_number() -> None:
     made_up = experiment({"safedagger": [FULL]})
     step = made_up.steps[0, "safedagger", 0]
     kept = step.drives.query("scenario != 'yew' or strategy == 'naive'")
-    text = report(Experiment({(0, "safedagger", 0): replace(step, drives=kept)}))
+    text = report(of_steps({(0, "safedagger", 0): replace(step, drives=kept)}))
     found = rows(section(text, "Track by track, after the last iteration"), "Takeover, safe")
     assert found["SafeDAgger", "yew"] == ["3.00 / 3.00", "- / -", "0 / 0", "- / -"]

@@ -8,6 +8,7 @@ import pandas as pd
 import pytest
 
 from pipeline.evaluation.comparison import Cell, estimate
+from pipeline.evaluation.drives import write_drives
 from pipeline.report.threshold import RUN, read_thresholds
 from pipeline.rollout.strategies import Strategy
 from tests.evaluation.sample import drives, write_run
@@ -37,6 +38,13 @@ def test_all_seeds_are_read_by_tau(tmp_path: Path) -> None:
     pd.testing.assert_frame_equal(step.drives, drives(2))
     for step in found[0.0025].of(RUN, 0):
         pd.testing.assert_frame_equal(step.drives, drives(0))
+
+
+def test_another_primary_is_not_compared(tmp_path: Path) -> None:
+    folder = write_seed(tmp_path, 0, "tau_01", "tau_04")
+    (folder / "drives_tau_04.csv").unlink()
+    write_drives(folder / "drives_tau_04.csv", drives(1).assign(primary="f" * 64))
+    assert list(read_thresholds(tmp_path)) == [0.0025, 0.01]
 
 
 def test_what_was_read_can_be_measured(tmp_path: Path) -> None:

@@ -5,61 +5,37 @@ import os
 import subprocess
 import sys
 from pathlib import Path
+from typing import Any
 
 import pytest
 import yaml
 
+from tests.command import run
 from tests.content import processor, run_hashes
 
 HOUSE = Path(__file__).parents[2]
 HELD = HOUSE / "tests" / "held" / "tiny.json"
 OF_THE_REFERENCE = ("D_0", "D_safe", "D_held", "new_supervised_1")
-STEPS = ["safedagger_1", "safedagger_2", "dagger_1", "supervised_1"]
-LABELS = {"tau": 0.0025, "horizon": 0, "horizon-mode": "last"}
-ALL = "naive,safe,optimal"
-TINY = {
+EACH = {
+    "samples": [128],
+    "tau": [0.0025],
+    "driven_by": "naive,safe,optimal",
+    "words": "One.",
+    "colour": "black",
+    "marker": "o",
+}
+RUNS: dict[str, dict[str, Any]] = {
+    "safedagger": EACH
+    | {"strategy": "safedagger", "name": "SafeDAgger", "queries": [12, 12], "from_scratch": [2]},
+    "dagger": EACH | {"strategy": "dagger", "name": "DAgger", "frames": [30], "sample": [12]},
+    "supervised": EACH | {"strategy": "supervised", "name": "supervised", "episodes": [2]},
+    "ahead": EACH
+    | {"strategy": "safedagger", "name": "Ahead", "variant_of": "safedagger", "queries": [12]}
+    | {"horizon": 0.5, "horizon_mode": "max", "driven_by": "safe"},
+}
+TINY: dict[str, Any] = {
+    "runs": RUNS,
     "tracks": {"training": "alder,birch", "test": "yew"},
-    "rollouts": {
-        "safedagger_1": {"iteration": 1, "primary": "0", "safety": "0", "queries": 12},
-        "safedagger_2": {
-            "iteration": 2,
-            "primary": "safedagger_1",
-            "safety": "safedagger_1",
-            "queries": 12,
-        },
-    },
-    "dagger": {
-        "dagger_1": {"iteration": 1, "previous": "0", "beta": 0, "frames": 30, "sample": 12}
-    },
-    "supervised": {"supervised_1": {"iteration": 1, "episodes": 2}},
-    "steps": {
-        step: {"previous": "safedagger_1" if step == "safedagger_2" else "0", "passes": 128}
-        for step in STEPS
-    },
-    "from-scratch": {"scratch_2": {"data": "safedagger_2", "passes": 128}},
-    "safeties": {
-        step: {"primary": step, "data": step, "labels": LABELS, "strategies": ALL}
-        for step in ["0", *STEPS]
-    }
-    | {
-        "scratch_2": {
-            "primary": "scratch_2",
-            "data": "safedagger_2",
-            "labels": LABELS,
-            "strategies": "naive",
-        },
-        "ahead": {
-            "primary": "0",
-            "data": "0",
-            "labels": LABELS | {"horizon": 0.5, "horizon-mode": "max"},
-            "strategies": "safe",
-        },
-    },
-    "ledgers": {"0": {"driven": "D_0"}, "safe": {"driven": "D_safe"}}
-    | {
-        step: {"driven": f"{'new' if step == 'supervised_1' else 'rollout'}_{step}"}
-        for step in STEPS
-    },
     "contact-sheet": {"frames": 2},
     "film": {"traffic": 2, "seconds": 2},
     "drive": {"traffic": 3},
@@ -73,7 +49,6 @@ TINY = {
     "collect-supervised": {"seconds": 1},
     "evaluate": {"traffic": 2, "laps": 0.05, "seconds": 2, "starts": 1},
 }
-LOOPS = ("rollouts", "dagger", "supervised", "steps", "from-scratch", "safeties", "ledgers")
 
 
 @pytest.fixture(scope="module")
@@ -86,16 +61,22 @@ def reproduced(root: Path, tiny: dict) -> Path:
     """The project's own pipeline, with other parameters, from nothing to the report."""
     for name in ("pipeline", "stages", "dvc.yaml"):
         (root / name).symlink_to(HOUSE / name)
-    params = yaml.safe_load((HOUSE / "params.yaml").read_text())
-    for group, values in tiny.items():
-        keep = group not in LOOPS
-        params[group] = params[group] | values if keep else values
-    (root / "params.yaml").write_text(yaml.safe_dump(params))
+    (root / "cards/frames").mkdir(parents=True)
+    plan(root, tiny)
     dvc(root, "init", "--no-scm")
     settings = (HOUSE / ".dvc" / "config").read_text()
     (root / ".dvc" / "config").write_text(settings.replace("[core]", "[core]\n    no_scm = true"))
     dvc(root, "repro")
     return root
+
+
+def plan(root: Path, tiny: dict[str, Any]) -> None:
+    """Write the parameters and the loops."""
+    params = yaml.safe_load((HOUSE / "params.yaml").read_text())
+    for group, values in tiny.items():
+        params[group] = params[group] | values if group != "runs" else values
+    (root / "params.yaml").write_text(yaml.safe_dump(params, sort_keys=False))
+    assert run("plan", "--params", root / "params.yaml", "--loops", root / "loops.yaml") == 0
 
 
 def dvc(root: Path, *arguments: str) -> str:
@@ -156,9 +137,9 @@ def test_supervised_learning_pays_for_what_the_reference_drives(house: Path) -> 
 
 
 def test_all_strategies_are_evaluated(house: Path) -> None:
-    of_all = {"tracks", "most_laps"}
+    of_all = {"task"}
     assert set(metric(house, "driving_dagger_1")) == of_all | {"naive", "safe", "optimal"}
-    assert set(metric(house, "driving_ahead")) == of_all | {"safe"}
+    assert set(metric(house, "driving_ahead_0")) == of_all | {"safe"}
 
 
 def test_a_primary_can_be_trained_from_scratch_on_the_same_data(house: Path) -> None:
@@ -167,15 +148,15 @@ def test_a_primary_can_be_trained_from_scratch_on_the_same_data(house: Path) -> 
         for name in ("primary_scratch_2", "primary_safedagger_2")
     ]
     assert weights[0] != weights[1]
-    assert set(metric(house, "driving_scratch_2")) == {"tracks", "most_laps", "naive"}
+    assert set(metric(house, "driving_scratch_2")) == {"task", "naive", "safe"}
 
 
 def test_the_report_stands_on_the_metrics(house: Path) -> None:
     report = (house / "cards" / "report.md").read_text()
-    for run in ("SafeDAgger", "DAgger", "supervised"):
-        assert f"| {run} | 1 |" in report
+    for name in ("SafeDAgger", "DAgger", "supervised"):
+        assert f"| {name} | 1 |" in report
     assert "On D_2, " in report
-    assert "DAgger, seed 0: no iteration 2, 3." in report
+    assert "No run, seed or picture is missing." not in report
 
 
 def test_every_dataset_and_policy_has_a_card_that_says_what_made_it(house: Path) -> None:
@@ -208,29 +189,43 @@ def test_a_second_repro_does_nothing(house: Path) -> None:
 
 
 def test_a_change_in_iteration_2_runs_only_what_follows(house: Path) -> None:
-    params = house / "params.yaml"
-    before = params.read_text()
-    changed = yaml.safe_load(before)
-    changed["steps"]["safedagger_2"]["passes"] = 64
-    params.write_text(yaml.safe_dump(changed))
+    before = {name: (house / name).read_text() for name in ("params.yaml", "loops.yaml")}
+    plan(house, TINY | {"runs": RUNS | {"safedagger": RUNS["safedagger"] | {"samples": [128, 64]}}})
     try:
-        plan = dvc(house, "repro", "--dry")
+        planned = dvc(house, "repro", "--dry")
     finally:
-        params.write_text(before)
-    stages = {line.split("'")[1] for line in plan.splitlines() if line.startswith("Running stage")}
-    assert "train-primary@safedagger_2" in stages
-    assert {name.split("@")[-1] for name in stages} <= {"safedagger_2", "cards", "report"}
+        for name, text in before.items():
+            (house / name).write_text(text)
+    lines = [line for line in planned.splitlines() if line.startswith("Running stage")]
+    stages = {line.split("'")[1] for line in lines}
+    assert {"train-primary@safedagger_2", "train-primary-from-scratch@scratch_2"} <= stages
+    steps = {name.split("@")[-1] for name in stages}
+    assert steps <= {"safedagger_2", "scratch_2", "runs", "cards", "report"}
 
 
-ONLY = ("0", "safedagger_1")
+def test_loops_that_are_not_those_of_the_runs_stop_it(tmp_path: Path) -> None:
+    for name in ("pipeline", "stages", "dvc.yaml"):
+        (tmp_path / name).symlink_to(HOUSE / name)
+    plan(tmp_path, TINY)
+    loops = tmp_path / "loops.yaml"
+    loops.write_text(loops.read_text().replace('"queries": 12', '"queries": 13'))
+    words = ("--params", tmp_path / "params.yaml", "--loops", loops)
+    assert run("runs", *words, "--metrics", tmp_path / "runs.json") == 2
+    assert not (tmp_path / "runs.json").exists()
+
+
+def test_without_a_run_that_needs_a_safety_policy_there_is_a_pipeline(tmp_path: Path) -> None:
+    for name in ("pipeline", "stages", "dvc.yaml"):
+        (tmp_path / name).symlink_to(HOUSE / name)
+    plan(tmp_path, TINY | {"runs": {"mine": RUNS["dagger"]}})
+    dvc(tmp_path, "init", "--no-scm")
+    stages = dvc(tmp_path, "stage", "list", "--name-only").split()
+    assert "rollout-dagger@mine_1" in stages and "train-safety@mine_1" in stages
+    assert not [name for name in stages if name.startswith(("rollout@", "select@", "contact"))]
+
+
 GOOD = TINY | {
-    **{"dagger": {}, "supervised": {}, "from-scratch": {}},
-    **{
-        group: {k: v for k, v in TINY[group].items() if k in ONLY}
-        for group in ("steps", "safeties")
-    },
-    "rollouts": {"safedagger_1": TINY["rollouts"]["safedagger_1"]},
-    "ledgers": {k: v for k, v in TINY["ledgers"].items() if k in (*ONLY, "safe")},
+    "runs": {"safedagger": RUNS["safedagger"] | {"queries": [12], "from_scratch": []}},
     "train-safety": TINY["train-safety"] | {"cut": 0},
 }
 

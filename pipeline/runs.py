@@ -1,0 +1,275 @@
+"""What an experiment compares: its runs, a spec each, and the loops of dvc.yaml that come of them.
+
+A run is one training strategy, iteration after iteration. All begin with the same supervised stage,
+iteration 0, whose step is called "0"; the others are <run>_<iteration>.
+"""
+
+import json
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import Annotated, Any, Literal, Self
+
+import yaml
+from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
+
+type Counts = list[Annotated[int, Field(ge=1)]]
+"""Of each iteration, from the first."""
+
+FIRST = "0"
+"""The step that all runs begin with."""
+NAIVE_AND_SAFE, SAFE = "naive,safe", "safe"
+
+
+class Run(BaseModel):
+    """One run; it has as many iterations as its budgets.
+
+    Raises:
+        ValidationError: a field is unknown, missing or out of its range.
+    """
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+    strategy: Literal["supervised", "dagger", "safedagger"]
+    """how new data is collected: the reference alone; a mixture, all labelled; the safe strategy"""
+    name: str
+    """in the report"""
+    words: str
+    """what tells it apart, a sentence"""
+    colour: str
+    marker: str
+    """of its lines in figures, as matplotlib knows them"""
+    variant_of: str | None = None
+    """the run that it is to be compared with; none for the strategies themselves"""
+
+    queries: Counts = []
+    """of safedagger: how often the reference is asked"""
+    frames: Counts = []
+    """of dagger: how many are driven, and labelled"""
+    sample: Counts = []
+    """of dagger: how many of them are kept"""
+    beta: Annotated[float, Field(ge=0, le=1)] = 0
+    """of dagger: probability that the reference drives a frame"""
+    episodes: Counts = []
+    """of supervised: how many drives"""
+
+    samples: Counts
+    """shown in the training of each iteration's primary; one for all"""
+    tau: list[Annotated[float, Field(ge=0)]]
+    """of the safety policies after iteration 0, 1, ...; one for all"""
+    horizon: Annotated[float, Field(ge=0)] = 0
+    """how far ahead these look [s]"""
+    horizon_mode: Literal["last", "max"] = "last"
+    driven_by: str
+    """driving strategies that its policies are evaluated by, separated by commas"""
+    from_scratch: list[Annotated[int, Field(ge=1)]] = []
+    """iterations whose primary is trained without a warm start, too"""
+
+    @model_validator(mode="after")
+    def _budgets(self) -> Self:
+        needed = {
+            "supervised": ("episodes",),
+            "dagger": ("frames", "sample"),
+            "safedagger": ("queries",),
+        }[self.strategy]
+        for name in ("queries", "frames", "sample", "episodes"):
+            given = len(getattr(self, name))
+            if (name in needed) != bool(given):
+                expected = "one for each iteration" if name in needed else "none"
+                raise ValueError(f"{name} of a {self.strategy} run: {given} given, {expected}")
+        many = len(getattr(self, needed[0]))
+        allowed = {"samples": (1, many), "tau": (1, many + 1)}
+        for name, counts in {**allowed, **{name: (many,) for name in needed}}.items():
+            given = len(getattr(self, name))
+            if given not in counts:
+                expected = " or ".join(map(str, dict.fromkeys(counts)))
+                raise ValueError(f"{name}: {given} given, expected {expected}")
+        if self.from_scratch and max(self.from_scratch) > many:
+            raise ValueError(f"from_scratch: {max(self.from_scratch)}, expected {many} at most")
+        return self
+
+    @property
+    def iterations(self) -> range:
+        """Of its loop, from 1."""
+        budget = self.queries or self.frames or self.episodes
+        return range(1, len(budget) + 1)
+
+    @property
+    def is_watched(self) -> bool:
+        """Whether its loop needs a safety policy; others have theirs only to be measured."""
+        return self.strategy == "safedagger"
+
+    @property
+    def told(self) -> dict[str, Any]:
+        """What decides how it goes on: not how it is evaluated and shown."""
+        beside = {"name", "words", "colour", "marker", "variant_of", "driven_by", "from_scratch"}
+        return self.model_dump(exclude=beside)
+
+    def shown(self, iteration: int) -> int:
+        """Samples in the training of an iteration's primary."""
+        return self.samples[iteration - 1] if len(self.samples) > 1 else self.samples[0]
+
+    def labels(self, iteration: int) -> dict[str, Any]:
+        """Options of train-safety after an iteration."""
+        tau = self.tau[iteration] if len(self.tau) > 1 else self.tau[0]
+        return {"tau": tau, "horizon": self.horizon, "horizon-mode": self.horizon_mode}
+
+
+class Comparison(BaseModel):
+    """All runs by their names, the first of which sets the safety policy of the supervised stage.
+
+    Raises:
+        ValidationError: there is none, or a run is a variant of one that there is not.
+    """
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+    runs: dict[Annotated[str, Field(pattern=r"^[a-z]+(_[a-z]+)*$")], Run] = Field(min_length=1)
+    thresholds: list[Annotated[float, Field(gt=0, lt=1)]] = []
+    """other tau that the supervised primary is watched with"""
+
+    @model_validator(mode="after")
+    def _relations(self) -> Self:
+        for name, run in self.runs.items():
+            if run.variant_of is not None and run.variant_of not in self.runs:
+                raise ValueError(f"{name}: there is no run {run.variant_of!r} to be a variant of")
+        if sum(bool(run.from_scratch) for run in self.runs.values()) > 1:
+            raise ValueError("from_scratch: given for several runs, expected one at most")
+        return self
+
+    @classmethod
+    def of(cls, params: Mapping[str, Any]) -> Self:
+        """What `runs` and `thresholds` of params.yaml say; a ValueError of one line otherwise."""
+        given = {name: params[name] for name in ("runs", "thresholds") if name in params}
+        try:
+            return cls.model_validate(given)
+        except ValidationError as error:
+            first = error.errors()[0]
+            place = ".".join(map(str, first["loc"])) or "runs"
+            raise ValueError(f"{place}: {first['msg'].removeprefix('Value error, ')}") from None
+
+    @property
+    def watched(self) -> list[str]:
+        """The runs whose loop needs a safety policy."""
+        return [name for name, run in self.runs.items() if run.is_watched]
+
+    def loops(self) -> dict[str, Any]:
+        """The loops of dvc.yaml: of each, by step, what is told to its stages."""
+        steps = list(self._steps())
+        return {
+            "rollouts": {
+                step: {
+                    "iteration": i,
+                    "primary": before(name, i),
+                    "safety": self._safety(name, i - 1),
+                    "queries": run.queries[i - 1],
+                }
+                for step, name, run, i in steps
+                if run.strategy == "safedagger"
+            },
+            "dagger": {
+                step: {
+                    "iteration": i,
+                    "previous": before(name, i),
+                    "beta": run.beta,
+                    "frames": run.frames[i - 1],
+                    "sample": run.sample[i - 1],
+                }
+                for step, name, run, i in steps
+                if run.strategy == "dagger"
+            },
+            "supervised": {
+                step: {"iteration": i, "episodes": run.episodes[i - 1]}
+                for step, _, run, i in steps
+                if run.strategy == "supervised"
+            },
+            "steps": {
+                step: {"previous": before(name, i), "samples": run.shown(i)}
+                for step, name, run, i in steps
+            },
+            "from-scratch": {
+                scratch(i): {"data": step, "samples": run.shown(i)}
+                for step, _, run, i in steps
+                if i in run.from_scratch
+            },
+            "safeties": dict(self._safeties()),
+            "pictured": [f"{name}_1" for name in self.watched[:1]],
+            "ledgers": {
+                FIRST: {"driven": "D_0"},
+                "safe": {"driven": "D_safe"},
+                **{
+                    step: {
+                        "driven": f"{'new' if run.strategy == 'supervised' else 'rollout'}_{step}"
+                    }
+                    for step, _, run, _ in steps
+                },
+            },
+        }
+
+    def _steps(self) -> Iterator[tuple[str, str, Run, int]]:
+        """Every step of every loop: its name, its run's and that run, and its iteration."""
+        for name, run in self.runs.items():
+            for i in run.iterations:
+                yield f"{name}_{i}", name, run, i
+
+    def _safety(self, name: str, iteration: int) -> str:
+        """The safety policy after an iteration; all runs with the same labels share the first."""
+        first = next(iter(self.runs.values()))
+        shared = iteration == 0 and self.runs[name].labels(0) == first.labels(0)
+        return FIRST if shared else f"{name}_{iteration}"
+
+    def _safeties(self) -> Iterator[tuple[str, dict[str, Any]]]:
+        first = next(iter(self.runs.values()))
+        for name, run in self.runs.items():
+            for i in (0, *run.iterations):
+                safety, step = self._safety(name, i), before(name, i + 1)
+                if safety == FIRST and run is not first:
+                    continue  # the first run's, already
+                about = {"primary": step, "data": step, "labels": run.labels(i)}
+                yield safety, about | {"strategies": run.driven_by}
+            for i in run.from_scratch:
+                about = {"primary": scratch(i), "data": f"{name}_{i}", "labels": run.labels(i)}
+                yield scratch(i), about | {"strategies": NAIVE_AND_SAFE}
+        for tau in self.thresholds:
+            about = {"primary": FIRST, "data": FIRST, "labels": first.labels(0) | {"tau": tau}}
+            yield f"tau_{f'{tau:.12f}'[2:].rstrip('0')}", about | {"strategies": SAFE}
+
+
+def read_params(path: Path) -> dict[str, Any]:
+    """What is in params.yaml, or a file like it.
+
+    Raises:
+        FileNotFoundError: there is none.
+        ValueError: it is no YAML.
+    """
+    if not path.is_file():
+        raise FileNotFoundError(f"{path}: no such file, expected parameters")
+    try:
+        params = yaml.safe_load(path.read_text())
+    except yaml.YAMLError as error:
+        reason = " ".join(str(error).split())
+        raise ValueError(f"{path}: {reason}, expected YAML") from None
+    if not isinstance(params, dict):
+        raise ValueError(f"{path}: expected names with values")
+    return params
+
+
+def render(comparison: Comparison) -> str:
+    """The loops as YAML, a step a line."""
+    head = "# Written by `safedagger plan` from the runs in params.yaml: edit those.\n"
+    return head + "".join(
+        f"{loop}: {json.dumps(steps)}\n"
+        if isinstance(steps, list) or not steps
+        else f"{loop}:\n"
+        + "".join(f"  {json.dumps(k)}: {json.dumps(v)}\n" for k, v in steps.items())
+        for loop, steps in comparison.loops().items()
+    )
+
+
+def before(run: str, iteration: int) -> str:
+    """The step that an iteration of a run follows."""
+    return f"{run}_{iteration - 1}" if iteration > 1 else FIRST
+
+
+def scratch(iteration: int) -> str:
+    """The step of a primary without a warm start."""
+    return f"scratch_{iteration}"

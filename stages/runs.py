@@ -1,0 +1,25 @@
+"""Keep what an experiment compares beside what comes out, for the report."""
+
+import typer
+
+from stages import options
+
+app = typer.Typer()
+
+
+@app.command()
+def runs(params: options.Params, loops: options.Loops, metrics: options.Metrics) -> None:
+    """Keep what the runs are, for the report.
+
+    And see that the loops of the pipeline are theirs.
+    """
+    from pipeline.output import check_place, write_file
+    from pipeline.runs import Comparison, read_params, render
+
+    check_place(metrics)
+    comparison = Comparison.of(read_params(params))
+    if not loops.is_file() or loops.read_text() != render(comparison):
+        raise ValueError(f"{loops}: not what {params} says, expected that of `safedagger plan`")
+    text = comparison.model_dump_json(exclude_defaults=True, indent=1)
+    write_file(metrics, f"{text}\n".encode())
+    typer.echo(f"{metrics}: {', '.join(comparison.runs)}")

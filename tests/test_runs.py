@@ -1,0 +1,147 @@
+"""What runs are told is checked before anything runs, and unrolled into the loops of the pipeline."""
+
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from pipeline.runs import Comparison, read_params
+from tests.command import run
+
+LOOK = {"name": "One", "words": "One.", "colour": "black", "marker": "o", "driven_by": "naive"}
+ONE: dict[str, Any] = LOOK | {
+    "strategy": "safedagger",
+    "queries": [30, 10],
+    "samples": [500],
+    "tau": [0.1],
+}
+DAGGER = LOOK | {
+    "strategy": "dagger",
+    "frames": [90],
+    "sample": [30],
+    "samples": [500],
+    "tau": [0.1],
+}
+
+
+def loops(**runs: dict[str, Any]) -> dict[str, Any]:
+    return Comparison.of({"runs": runs}).loops()
+
+
+def test_a_run_is_a_loop_that_begins_with_the_supervised_stage() -> None:
+    found = loops(one=ONE)
+    assert found["rollouts"] == {
+        "one_1": {"iteration": 1, "primary": "0", "safety": "0", "queries": 30},
+        "one_2": {"iteration": 2, "primary": "one_1", "safety": "one_1", "queries": 10},
+    }
+    assert found["steps"] == {
+        "one_1": {"previous": "0", "samples": 500},
+        "one_2": {"previous": "one_1", "samples": 500},
+    }
+    labels = {"tau": 0.1, "horizon": 0, "horizon-mode": "last"}
+    assert found["safeties"]["one_2"] == {
+        "primary": "one_2",
+        "data": "one_2",
+        "labels": labels,
+        "strategies": "naive",
+    }
+    assert list(found["safeties"]) == ["0", "one_1", "one_2"]
+    assert found["ledgers"]["one_1"] == {"driven": "rollout_one_1"}
+    assert found["pictured"] == ["one_1"]
+
+
+def test_each_iteration_has_its_own_numbers_where_there_are_several() -> None:
+    found = loops(one=ONE | {"samples": [7, 8], "tau": [0.1, 0.2, 0.4]})
+    assert [step["samples"] for step in found["steps"].values()] == [7, 8]
+    assert [safety["labels"]["tau"] for safety in found["safeties"].values()] == [0.1, 0.2, 0.4]
+
+
+def test_only_equal_labels_share_the_safety_policy_of_the_supervised_stage() -> None:
+    found = loops(one=ONE, same=ONE | {"tau": [0.1, 0.2, 0.2]}, ahead=ONE | {"horizon": 1})
+    firsts = [found["rollouts"][f"{name}_1"]["safety"] for name in ("one", "same", "ahead")]
+    assert firsts == ["0", "0", "ahead_0"]
+    assert found["safeties"]["ahead_0"]["primary"] == "0"
+
+
+def test_dagger_and_supervised_learning_need_no_safety_policy_to_drive() -> None:
+    supervised = LOOK | {"strategy": "supervised", "episodes": [4], "samples": [9], "tau": [0.1]}
+    found = loops(one=DAGGER, two=supervised)
+    assert found["dagger"]["one_1"] == {
+        "iteration": 1,
+        "previous": "0",
+        "beta": 0,
+        "frames": 90,
+        "sample": 30,
+    }
+    assert found["supervised"] == {"two_1": {"iteration": 1, "episodes": 4}}
+    assert found["ledgers"]["two_1"] == {"driven": "new_two_1"}
+    assert (found["rollouts"], found["pictured"]) == ({}, [])
+
+
+def test_what_stands_beside_the_loops() -> None:
+    told = {"runs": {"one": ONE | {"from_scratch": [2]}}, "thresholds": [0.000625, 0.04]}
+    found = Comparison.of(told).loops()
+    assert found["from-scratch"] == {"scratch_2": {"data": "one_2", "samples": 500}}
+    beside = {n: s for n, s in found["safeties"].items() if n.startswith(("tau", "scratch"))}
+    assert list(beside) == ["scratch_2", "tau_000625", "tau_04"]
+    assert beside["tau_04"]["labels"]["tau"] == 0.04
+    assert beside["scratch_2"]["primary"] == "scratch_2"
+
+
+@pytest.mark.parametrize(
+    ("changes", "problem"),
+    [
+        ({"querys": [1]}, "runs.one.querys: Extra inputs are not permitted"),
+        ({"strategy": "active"}, "runs.one.strategy: Input should be 'supervised', 'dagger' or"),
+        ({"queries": [0]}, "runs.one.queries.0: Input should be greater than or equal to 1"),
+        ({"queries": []}, "runs.one: queries of a safedagger run: 0 given, one for each iteration"),
+        ({"frames": [9]}, "runs.one: frames of a safedagger run: 1 given, none"),
+        ({"samples": [1, 2, 3]}, "runs.one: samples: 3 given, expected 1 or 2"),
+        ({"tau": [0.1, 0.2]}, "runs.one: tau: 2 given, expected 1 or 3"),
+        ({"from_scratch": [3]}, "runs.one: from_scratch: 3, expected 2 at most"),
+        ({"variant_of": "two"}, "runs: one: there is no run 'two' to be a variant of"),
+    ],
+)
+def test_what_does_not_fit_is_one_line(changes: dict[str, Any], problem: str) -> None:
+    with pytest.raises(ValueError) as error:
+        loops(one=ONE | changes)
+    assert str(error.value).startswith(problem)
+    assert "\n" not in str(error.value)
+
+
+@pytest.mark.parametrize("runs", [{}, {"One": ONE}, {"one_1": ONE}])
+def test_names_are_words(runs: dict[str, Any]) -> None:
+    with pytest.raises(ValueError, match=r"^runs"):
+        loops(**runs)
+
+
+@pytest.mark.parametrize(
+    ("text", "problem"),
+    [(None, "no such file"), ("runs: [", "expected YAML"), ("- 1", "expected names with values")],
+)
+def test_what_is_no_file_of_parameters_is_named(
+    text: str | None, problem: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path, out = tmp_path / "params.yaml", tmp_path / "loops.yaml"
+    if text is not None:
+        path.write_text(text)
+    assert run("plan", "--params", path, "--loops", out) == 2
+    (line,) = capsys.readouterr().err.splitlines()
+    assert str(path) in line and problem in line
+    assert not out.exists()
+
+
+def test_a_line_more_is_a_run_more(tmp_path: Path) -> None:
+    params, out = tmp_path / "params.yaml", tmp_path / "loops.yaml"
+    text = "runs:\n  one: {}\n"
+    line = (
+        "{strategy: dagger, frames: [9], sample: [9], samples: [9], tau: [0], driven_by: naive, "
+        "name: a, words: a., colour: black, marker: o}"
+    )
+    params.write_text(text.format(line))
+    assert run("plan", "--params", params, "--loops", out) == 0
+    before = read_params(out)
+    params.write_text(text.format(line) + f"  two: {line}\n")
+    out.unlink()
+    assert run("plan", "--params", params, "--loops", out) == 0
+    assert set(read_params(out)["dagger"]) - set(before["dagger"]) == {"two_1"}
