@@ -15,7 +15,7 @@ def cards(
     datasets: Annotated[Path, typer.Option(help="Folder of datasets.")],
     models: Annotated[Path, typer.Option(help="Folder of policies.")],
     metrics: Annotated[Path, typer.Option(help="Folder of driving_<i>.json, safety_<i>.json.")],
-    record_every: options.RecordEvery,
+    action_repeat: options.ActionRepeat,
     dataset_cards: Annotated[Path, typer.Option(help="Folder to write. It must not exist.")],
     model_cards: Annotated[Path, typer.Option(help="Folder to write. It must not exist.")],
 ) -> None:
@@ -33,7 +33,7 @@ def cards(
         )
         facts = write_dataset_cards(for_datasets, catalogue)
         written = write_model_cards(
-            for_models, catalogue, facts, metrics=metrics, record_every=record_every
+            for_models, catalogue, facts, metrics=metrics, action_repeat=action_repeat
         )
     typer.echo(
         f"{len(facts)} cards of datasets in {dataset_cards}, {written} of models in {model_cards}"

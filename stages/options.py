@@ -38,7 +38,7 @@ SafetyIfAny = Annotated[
 ]
 
 Strategy = Annotated[str, typer.Option(help="Driving strategy: naive, safe or optimal.")]
-RecordEvery = Annotated[
+ActionRepeat = Annotated[
     int, typer.Option(min=1, help="Control steps (1/30 s) in a frame: an action is held for them.")
 ]
 Cut = Annotated[
@@ -88,7 +88,7 @@ Optimizer = Annotated[
 LearningRate = Annotated[float, typer.Option(help="Above 0; for adamw the highest of the cycle.")]
 WeightDecay = Annotated[float, typer.Option(min=0, help="Weight decay.")]
 Batch = Annotated[int, typer.Option(min=1, help="Examples in a step.")]
-Passes = Annotated[int, typer.Option(min=1, help="Examples shown in all.")]
+Samples = Annotated[int, typer.Option(min=1, help="Examples shown in all.")]
 Validation = Annotated[
     float,
     typer.Option(help="Share of the episodes held out for the validation error, [0, 1)."),

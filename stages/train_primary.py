@@ -24,7 +24,7 @@ def train_primary(
     learning_rate: options.LearningRate,
     weight_decay: options.WeightDecay,
     batch: options.Batch,
-    passes: options.Passes,
+    samples: options.Samples,
     validation: options.Validation,
     patience: options.Patience,
     seed: options.Seed,
@@ -50,7 +50,7 @@ def train_primary(
         optimizer=optimizer.value,
         learning_rate=learning_rate,
         weight_decay=weight_decay,
-        passes=passes,
+        samples=samples,
         batch=batch,
         validation=validation,
         patience=patience,
@@ -63,7 +63,7 @@ def train_primary(
         learned.require(features)
         check_labels(learned)
         start = load_primary(initial).state_dict() if initial else None
-        with options.progress("training", passes) as advance_to:
+        with options.progress("training", samples) as advance_to:
             network, measured = train(
                 policy,
                 features,
@@ -72,7 +72,7 @@ def train_primary(
                 settings,
                 initial=start,
                 device=computes,
-                on_epoch=lambda epoch, epochs, metrics: advance_to(metrics["passes"]),
+                on_epoch=lambda epoch, epochs, metrics: advance_to(metrics["samples"]),
             )
         policy.policy(network).save_pretrained(folder)
         parents = [learned.lineage, *([policy_lineage(initial)] if initial else [])]

@@ -50,7 +50,7 @@ def train_safety(
     learning_rate: options.LearningRate,
     weight_decay: options.WeightDecay,
     batch: options.Batch,
-    passes: options.Passes,
+    samples: options.Samples,
     validation: options.Validation,
     patience: options.Patience,
     metrics: options.Metrics,
@@ -92,7 +92,7 @@ def train_safety(
         optimizer=optimizer.value,
         learning_rate=learning_rate,
         weight_decay=weight_decay,
-        passes=passes,
+        samples=samples,
         batch=batch,
         validation=validation,
         patience=patience,
@@ -128,14 +128,14 @@ def train_safety(
         if len(np.unique(safe)) == 1:
             kind = "safe" if safe[0] else "unsafe"
             typer.echo(f"all frames to learn from are {kind}: it will call any {kind}", err=True)
-        with options.progress("training", passes) as advance_to:
+        with options.progress("training", samples) as advance_to:
             safety, _ = train(
                 shown.features,
                 safe,
                 shown.episode_index,
                 settings,
                 device=computes,
-                on_epoch=lambda epoch, epochs, now: advance_to(now["passes"]),
+                on_epoch=lambda epoch, epochs, now: advance_to(now["samples"]),
             )
         SafetyPolicy(config, safety).save_pretrained(folder)
         parents = [policy_lineage(primary), safe_data.lineage, own_data.lineage]

@@ -11,5 +11,5 @@ def plan(
     rule: Rule, *, track: str = "alder", seed: tuple[int, ...] = (0,), **settings: Any
 ) -> Plan:
     """One drive of a second on a track, among three other cars."""
-    usual = {"traffic": 3, "record_every": 3, "seconds": 1.0}
+    usual = {"traffic": 3, "action_repeat": 3, "seconds": 1.0}
     return Plan(Driving(tracks=track, **(usual | settings)), track, rule, seed)

@@ -16,7 +16,7 @@ ROOT = Path(__file__).parent.parent
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
 COLLECT = (
     "collect D_0 --purpose D_0 --iteration 0 --tracks alder --traffic 2 --episodes 1 --seconds 1"
-    " --offset-spread 0.3 --angle-spread 0.03 --record-every 3 --seed 1 --workers 1"
+    " --offset-spread 0.3 --angle-spread 0.03 --action-repeat 3 --seed 1 --workers 1"
 )
 
 

@@ -86,7 +86,7 @@ def test_all_strategies_train_on_as_many_new_frames() -> None:
             assert rollout["queries"] == budgets[rollout["iteration"]]
         for rollout in scale["dagger"].values():
             assert rollout["sample"] == budgets[rollout["iteration"]]
-        frames = scale["collect-supervised"]["seconds"] * 30 / scale["drive"]["record-every"]
+        frames = scale["collect-supervised"]["seconds"] * 30 / scale["drive"]["action-repeat"]
         for drives in scale["supervised"].values():
             wanted = budgets[drives["iteration"]]
             assert wanted <= drives["episodes"] * frames < wanted + frames

@@ -123,14 +123,14 @@ def _frames(facts: Facts, picture: str | None) -> str:
 def _size(facts: Facts) -> str:
     total = facts.total
     judged, known = facts.judged, facts.compared
-    seconds = total.frames * facts.record_every / CONTROL_HZ
+    seconds = total.frames * facts.action_repeat / CONTROL_HZ
     return table(
         ["", "in all", "share"],
         [
             ["episodes", count(total.episodes), ""],
             ["frames", count(total.frames), ""],
-            ["frames per second", f"{CONTROL_HZ // facts.record_every}", ""],
-            [f"control steps (1/{CONTROL_HZ} s) in a frame", f"{facts.record_every}", ""],
+            ["frames per second", f"{CONTROL_HZ // facts.action_repeat}", ""],
+            [f"control steps (1/{CONTROL_HZ} s) in a frame", f"{facts.action_repeat}", ""],
             ["driving time [s]", f"{seconds:,.1f}", ""],
             ["queries", *_part(total.queries, total.frames)],
             ["frames that the reference drove", *_part(total.by_reference, total.frames)],

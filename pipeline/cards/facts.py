@@ -31,7 +31,7 @@ class Facts:
     """A dataset in numbers."""
 
     name: str
-    record_every: int
+    action_repeat: int
     """control steps in a frame"""
     total: Count
     scenarios: dict[str, Count]
@@ -89,7 +89,7 @@ def read_facts(dataset: Dataset) -> Facts:
     firsts = [start for start, _ in dataset.bounds]
     return Facts(
         name=dataset.path.name,
-        record_every=CONTROL_HZ // dataset.fps,
+        action_repeat=CONTROL_HZ // dataset.fps,
         total=count(np.ones(len(dataset), bool)),
         scenarios=_by(np.repeat(np.array(dataset.tasks, dtype=str), lengths), count),
         iterations=_by(columns["source.iteration"][:, 0], count),

@@ -56,7 +56,7 @@ def render_model_card(
     training: Training | None,
     primary: str | None,
     safety: str | None,
-    record_every: int,
+    action_repeat: int,
 ) -> str:
     """The card as markdown with the front matter of a model on the Hub.
 
@@ -67,7 +67,7 @@ def render_model_card(
         primary: path of the primary to drive: the policy itself, or the one it watches; None where
             that is not known.
         safety: path of the policy if it is a safety policy, else None.
-        record_every: control steps for which an action is held in its datasets.
+        action_repeat: control steps for which an action is held in its datasets.
     """
     datasets = [facts for _, facts in training.datasets if facts] if training else []
     return str(
@@ -98,7 +98,7 @@ def render_model_card(
 
 ## Load it and drive
 
-{quickstart(policy, primary, safety, record_every)}
+{quickstart(policy, primary, safety, action_repeat)}
 """
         )
     )

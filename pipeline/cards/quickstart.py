@@ -8,7 +8,7 @@ _TRAFFIC, _SECONDS = 12, 10  # of the drive that the code takes
 
 
 def quickstart(
-    policy: PolicyFacts, primary: str | None, safety: str | None, record_every: int
+    policy: PolicyFacts, primary: str | None, safety: str | None, action_repeat: int
 ) -> str:
     """Markdown: the code, and what it does.
 
@@ -16,7 +16,7 @@ def quickstart(
         policy: the one to show.
         primary: path of the primary that drives; None where it is not known.
         safety: path of its safety policy; None lets the primary drive alone.
-        record_every: control steps for which an action is held.
+        action_repeat: control steps for which an action is held.
     """
     if primary is None:
         return "The primary that it watches is not known, so there is nothing to drive."
@@ -35,7 +35,7 @@ from pipeline.rollout import plans
 from pipeline.rollout.rules import naive, safe
 
 driver = Driver.load({paths})
-task = Driving(tracks="{track}", traffic={_TRAFFIC}, record_every={record_every}, \
+task = Driving(tracks="{track}", traffic={_TRAFFIC}, action_repeat={action_repeat}, \
 seconds={_SECONDS})
 plan = plans.Plan(task, "{track}", {rule}, (0,))
 for _, frame in plans.driven(plan, driver):

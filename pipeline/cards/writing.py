@@ -50,7 +50,7 @@ def write_model_cards(
     datasets: Mapping[str, Facts],
     *,
     metrics: Path,
-    record_every: int,
+    action_repeat: int,
 ) -> int:
     """Write <name>.md for each policy into `folder`, which is made.
 
@@ -59,7 +59,7 @@ def write_model_cards(
         catalogue: the policies.
         datasets: the facts of the datasets, by sha256.
         metrics: the folder of what was measured.
-        record_every: control steps for which an action is held.
+        action_repeat: control steps for which an action is held.
 
     Returns:
         How many.
@@ -80,7 +80,7 @@ def write_model_cards(
             training=_training(lineage, catalogue, datasets),
             primary=place(primary) if primary else None,
             safety=place(path) if policy.is_safety else None,
-            record_every=record_every,
+            action_repeat=action_repeat,
         )
         (folder / f"{path.name}.md").write_text(text, encoding="utf-8")
     return len(catalogue.models)

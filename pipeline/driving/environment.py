@@ -20,7 +20,7 @@ from pipeline.driving.features import (
     IMAGE_SHAPE,
     LOW,
     STANDSTILL,
-    check_record_every,
+    check_action_repeat,
 )
 from pipeline.driving.reference import reference_actions
 from pipeline.driving.tracks import make_track
@@ -38,7 +38,7 @@ class DrivingEnv(Environment):
 
     Observation: {"pixels": {"front": uint8 [72, 160, 3]}}, RGB. Action: float32 [2], steering in
     [-1, 1], where 1 is full lock to the left, and brake, on above 0.5. It is held for the
-    `record_every` control steps of 1/30 s of a frame, to the end, even off the road.
+    `action_repeat` control steps of 1/30 s of a frame, to the end, even off the road.
 
     The reward is the paper's implicit one (Sec. 2.1) as far as it can be told frame by frame: -1 at
     the first failure, which is leaving the road or touching another car, and 0 everywhere else. So
@@ -57,7 +57,7 @@ class DrivingEnv(Environment):
         track: str = "alder",
         traffic: int = 0,
         spread: tuple[float, float] = (0.3, 0.05),
-        record_every: int = 1,
+        action_repeat: int = 1,
         laps: float = 3.0,
         seconds: float = 300.0,
         render_mode: str | None = None,
@@ -76,12 +76,12 @@ class DrivingEnv(Environment):
         )
         self.action_space = Box(np.array(LOW, np.float32), np.array(HIGH, np.float32))
         self.render_mode = render_mode
-        self.metadata = {**self.metadata, "render_fps": check_record_every(record_every)}
+        self.metadata = {**self.metadata, "render_fps": check_action_repeat(action_repeat)}
         self._track = make_track(track)
         check_room(self._track, traffic)
         self._traffic, self._spread = traffic, spread
-        self._record_every, self._laps = record_every, laps
-        self._most_frames = int(seconds * CONTROL_HZ / record_every)
+        self._action_repeat, self._laps = action_repeat, laps
+        self._most_frames = int(seconds * CONTROL_HZ / action_repeat)
         self._frames = 0
         self._standing = 0.0
         self._failed = False
@@ -114,13 +114,13 @@ class DrivingEnv(Environment):
     def step(self, action: Action) -> Step:
         """Drive one frame."""
         world = self.world
-        for _ in range(self._record_every):
+        for _ in range(self._action_repeat):
             self._actions[0] = action
             world.step(self._actions)
             self._actions = reference_actions(world.cars, self._track)
         self._frames += 1
         moving = world.cars.speed[0] >= MOVING
-        self._standing = 0.0 if moving else self._standing + self._record_every / CONTROL_HZ
+        self._standing = 0.0 if moving else self._standing + self._action_repeat / CONTROL_HZ
         failed = world.off_road or world.damage > 0
         reward = -1.0 if failed and not self._failed else 0.0
         self._failed = failed

@@ -49,12 +49,12 @@ IMITATED = {**DRIVEN, "affordances": FEATURES["affordances"]}
 """What its training needs."""
 
 
-def check_record_every(record_every: int) -> int:
-    """Return the fps of a dataset in which a frame stands for `record_every` control steps.
+def check_action_repeat(action_repeat: int) -> int:
+    """Return the fps of a dataset in which a frame stands for `action_repeat` control steps.
 
     Raises:
-        ValueError: `record_every` does not divide `CONTROL_HZ`; the fps would not be whole.
+        ValueError: `action_repeat` does not divide `CONTROL_HZ`; the fps would not be whole.
     """
-    if record_every < 1 or CONTROL_HZ % record_every:
-        raise ValueError(f"record_every is {record_every}, expected a divisor of {CONTROL_HZ}")
-    return CONTROL_HZ // record_every
+    if action_repeat < 1 or CONTROL_HZ % action_repeat:
+        raise ValueError(f"action_repeat is {action_repeat}, expected a divisor of {CONTROL_HZ}")
+    return CONTROL_HZ // action_repeat

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, ClassVar
 import numpy as np
 
 from pipeline.data.schema import Feature
-from pipeline.driving.features import FEATURES, ROBOT_TYPE, check_record_every
+from pipeline.driving.features import FEATURES, ROBOT_TYPE, check_action_repeat
 from pipeline.driving.metrics import METRICS
 from pipeline.metric import Metric
 from pipeline.task import Setting, Task
@@ -42,7 +42,7 @@ class Driving(Task):
     angle_spread: Annotated[
         float, Setting("Standard deviation of the initial angle to the lane [rad].", 0)
     ] = 0.0
-    record_every: Annotated[
+    action_repeat: Annotated[
         int, Setting("Control steps (1/30 s) in a frame: an action is held for them.", 1)
     ]
     seconds: Annotated[float, Setting("Longest time of one drive [s].", 0)]
@@ -55,7 +55,7 @@ class Driving(Task):
 
         for track in self.scenarios:
             check_room(make_track(track), self.traffic)
-        check_record_every(self.record_every)
+        check_action_repeat(self.action_repeat)
         if not 0 < self.seconds < np.inf:
             raise ValueError(f"seconds is {self.seconds}, expected a number above 0")
         if not self.laps > 0:
@@ -67,7 +67,7 @@ class Driving(Task):
     @property
     def fps(self) -> int:
         """Frames per second."""
-        return check_record_every(self.record_every)
+        return check_action_repeat(self.action_repeat)
 
     @property
     def scenarios(self) -> list[str]:
@@ -91,7 +91,7 @@ class Driving(Task):
             track=scenario,
             traffic=self.traffic,
             spread=(self.offset_spread, self.angle_spread),
-            record_every=self.record_every,
+            action_repeat=self.action_repeat,
             laps=self.laps,
             seconds=self.seconds,
         )

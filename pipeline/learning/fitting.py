@@ -41,17 +41,17 @@ def fit(
         loss_of: the mean loss of the examples with these numbers.
         validate: metrics of held-out examples; `sgd` needs "validation_loss" among them.
         generator: of the order of the examples; it is advanced.
-        on_epoch: see `OnEpoch`; the last epoch may be cut short by `settings.passes`.
+        on_epoch: see `OnEpoch`; the last epoch may be cut short by `settings.samples`.
 
     Raises:
         ValueError: the loss is no longer a number.
     """
-    epochs = math.ceil(settings.passes / len(rows))
+    epochs = math.ceil(settings.samples / len(rows))
     plan: _Plan = (_Plateau if settings.optimizer == "sgd" else _Cycle)(network, settings, rows)
-    passes, device = 0, next(network.parameters()).device
+    samples, device = 0, next(network.parameters()).device
     for epoch in range(1, epochs + 1):
         order = rows[torch.randperm(len(rows), generator=generator).numpy()]
-        order = order[: settings.passes - passes]
+        order = order[: settings.samples - samples]
         network.train()
         total = torch.zeros((), device=device)
         for start in range(0, len(order), settings.batch):
@@ -62,8 +62,8 @@ def fit(
             plan.step()
             total += loss.detach() * len(batch)
         network.eval()
-        passes += len(order)
-        metrics = {"epoch": epoch, "passes": passes, "loss": float(total) / len(order)}
+        samples += len(order)
+        metrics = {"epoch": epoch, "samples": samples, "loss": float(total) / len(order)}
         metrics |= validate()
         if not all(math.isfinite(value) for value in metrics.values()):
             raise ValueError(
@@ -102,7 +102,7 @@ class _Cycle(_Plan):
             network.parameters(), weight_decay=settings.weight_decay, fused=True
         )
         self.highest = settings.learning_rate
-        whole, rest = divmod(settings.passes, len(rows))
+        whole, rest = divmod(settings.samples, len(rows))
         self.steps = sum(math.ceil(n / settings.batch) for n in [len(rows)] * whole + [rest])
         self.taken = 0
 

@@ -12,7 +12,7 @@ class Optimisation:
     `sgd` is the paper's: momentum, and after each epoch that did not improve the validation error
     the rate is divided by 5; `patience` such epochs in a row end the training, and the weights with
     the lowest error are kept. `adamw` follows one cycle: the rate rises and falls back to zero
-    within `passes`, and the last weights are kept.
+    within `samples`, and the last weights are kept.
 
     Raises:
         ValueError: a field is out of the range stated beside it.
@@ -23,7 +23,7 @@ class Optimisation:
     """> 0; the highest of the cycle for `adamw`."""
     weight_decay: float
     """>= 0."""
-    passes: int
+    samples: int
     """>= 1, examples shown in all: how long it may take, whatever the size of the dataset."""
     batch: int = 64
     """>= 1, examples in a step."""
@@ -43,7 +43,7 @@ class Optimisation:
             raise ValueError(f"optimizer is {self.optimizer!r}, expected 'sgd' or 'adamw'")
         check("learning_rate", self.learning_rate, above=0)
         check("weight_decay", self.weight_decay, at_least=0)
-        check("passes", self.passes, at_least=1)
+        check("samples", self.samples, at_least=1)
         check("batch", self.batch, at_least=1)
         check("validation", self.validation, at_least=0, below=1)
         check("patience", self.patience, at_least=1)

@@ -51,7 +51,7 @@ def train_primary(
         on_epoch: told the metrics after each epoch.
 
     Returns:
-        The network in evaluation mode, on the CPU, and metrics: "epoch", "passes", "loss" (of
+        The network in evaluation mode, on the CPU, and metrics: "epoch", "samples", "loss" (of
         training), and with held-out frames "validation_loss" and its unweighted parts, by the
         lesson's names.
 
@@ -133,7 +133,7 @@ def train_safety(
         on_epoch: told the metrics after each epoch.
 
     Returns:
-        The network in evaluation mode, on the CPU, and metrics: "epoch", "passes", "loss" (of
+        The network in evaluation mode, on the CPU, and metrics: "epoch", "samples", "loss" (of
         training), and with held-out frames "validation_loss". Both losses have the class weights
         in them.
 

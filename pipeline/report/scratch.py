@@ -33,7 +33,10 @@ def read_scratch(metrics: Path, experiment: Experiment) -> Experiment:
         if not named:
             continue
         seed, iteration = int(named["seed"]), int(named["iteration"])
-        warm, drives = experiment.steps.get((seed, experiment.ours or "", iteration)), read_drives(path)
+        warm, drives = (
+            experiment.steps.get((seed, experiment.ours or "", iteration)),
+            read_drives(path),
+        )
         if warm and set(warm.drives.begun_with) == set(drives.begun_with):
             steps[seed, WARM, iteration] = replace(warm, run=WARM)
             steps[seed, SCRATCH, iteration] = replace(

@@ -70,7 +70,7 @@ def make_cards(house: Path) -> Callable[..., Path]:
             datasets=Path("datasets"),
             models=Path("models"),
             metrics=Path("metrics"),
-            record_every=3,
+            action_repeat=3,
             dataset_cards=Path(folder, "datasets"),
             model_cards=Path(folder, "models"),
         )

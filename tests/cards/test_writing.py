@@ -14,7 +14,7 @@ OPTIONS = {
     "--datasets": "datasets",
     "--models": "models",
     "--metrics": "metrics",
-    "--record-every": "3",
+    "--action-repeat": "3",
     "--dataset-cards": "cards/datasets",
     "--model-cards": "cards/models",
 }

@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from pipeline.data.schema import Episode
-from pipeline.driving.features import CAMERA, FEATURES, check_record_every
+from pipeline.driving.features import CAMERA, FEATURES, check_action_repeat
 from tests.episodes import random_episode
 
 
@@ -74,12 +74,12 @@ def test_refuses_no_task(episode: Episode) -> None:
         Episode("", episode.columns, FEATURES)
 
 
-@pytest.mark.parametrize(("record_every", "fps"), [(1, 30), (3, 10), (30, 1)])
-def test_fps_is_the_control_rate_over_record_every(record_every: int, fps: int) -> None:
-    assert check_record_every(record_every) == fps
+@pytest.mark.parametrize(("action_repeat", "fps"), [(1, 30), (3, 10), (30, 1)])
+def test_fps_is_the_control_rate_over_action_repeat(action_repeat: int, fps: int) -> None:
+    assert check_action_repeat(action_repeat) == fps
 
 
-@pytest.mark.parametrize("record_every", [0, -3, 4, 60])
-def test_refuses_a_record_every_without_a_whole_fps(record_every: int) -> None:
-    with pytest.raises(ValueError, match=f"record_every is {record_every}, expected a divisor"):
-        check_record_every(record_every)
+@pytest.mark.parametrize("action_repeat", [0, -3, 4, 60])
+def test_refuses_an_action_repeat_without_a_whole_fps(action_repeat: int) -> None:
+    with pytest.raises(ValueError, match=f"action_repeat is {action_repeat}, expected a divisor"):
+        check_action_repeat(action_repeat)

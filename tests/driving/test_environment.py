@@ -52,7 +52,7 @@ def test_seeds_differ() -> None:
 
 
 def test_what_is_hidden_is_of_the_moment_of_the_observation() -> None:
-    env = DrivingEnv(traffic=10, record_every=3)
+    env = DrivingEnv(traffic=10, action_repeat=3)
     observation, info = env.reset(seed=0)
     for _ in range(2):
         np.testing.assert_array_equal(observation["pixels"]["front"], env.world.image())
@@ -101,7 +101,7 @@ def test_a_touch_costs_one_and_the_drive_goes_on() -> None:
 
 def test_standing_still_truncates() -> None:
     """Both lanes are blocked."""
-    env = DrivingEnv(track="willow", traffic=2, record_every=3)
+    env = DrivingEnv(track="willow", traffic=2, action_repeat=3)
     env.reset(seed=0)
     env.world.cars = cars_at(env.world.track, [0.0, 30.0, 30.0], [0, 0, 1], limit=[15.0, 0.0, 0.0])
     frames, over = 0, False
@@ -142,7 +142,7 @@ def test_bad_arguments_are_refused() -> None:
         DrivingEnv(laps=-1)
     with pytest.raises(ValueError, match="traffic is 1000"):
         DrivingEnv(traffic=1000)
-    with pytest.raises(ValueError, match="record_every is 7"):
-        DrivingEnv(record_every=7)
+    with pytest.raises(ValueError, match="action_repeat is 7"):
+        DrivingEnv(action_repeat=7)
     with pytest.raises(gymnasium.error.ResetNeeded):
         DrivingEnv().step(COAST)

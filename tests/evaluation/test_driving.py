@@ -17,7 +17,7 @@ from pipeline.rollout.strategies import DRIVING, Strategy
 TRUSTING = Judgement(cut=0.0, tau=9.0, measure="steering")
 RULES = [rule_of(strategy, TRUSTING) for strategy in DRIVING]
 ALWAYS = Safe(1.0)
-TASK = Driving(tracks="alder,yew", traffic=3, record_every=3, laps=3.0, seconds=2.0)
+TASK = Driving(tracks="alder,yew", traffic=3, action_repeat=3, laps=3.0, seconds=2.0)
 TRIALS = list(trials(TASK, RULES, 2, seed=0))
 
 

@@ -39,10 +39,10 @@ def run(errors: list[float] | None = None, rows: int = 10, **fields):
 
 
 def test_so_many_examples_are_shown_whatever_the_size_of_the_dataset():
-    metrics, shown, _, epochs, _ = run(optimizer="adamw", passes=25, rows=10)
+    metrics, shown, _, epochs, _ = run(optimizer="adamw", samples=25, rows=10)
     assert [len(batch) for batch in shown] == [4, 4, 2, 4, 4, 2, 4, 1]
     assert epochs == [(1, 3), (2, 3), (3, 3)]
-    assert metrics["passes"] == 25 and metrics["epoch"] == 3
+    assert metrics["samples"] == 25 and metrics["epoch"] == 3
     for start in (0, 3):
         assert sorted(n for batch in shown[start : start + 3] for n in batch) == list(
             range(100, 110)
@@ -51,7 +51,7 @@ def test_so_many_examples_are_shown_whatever_the_size_of_the_dataset():
 
 
 def test_less_than_an_epoch_will_do():
-    metrics, shown, _, epochs, _ = run(optimizer="adamw", passes=3, rows=10)
+    metrics, shown, _, epochs, _ = run(optimizer="adamw", samples=3, rows=10)
     assert [len(batch) for batch in shown] == [3]
     assert epochs == [(1, 1)]
     assert metrics["loss"] == 1
@@ -60,11 +60,11 @@ def test_less_than_an_epoch_will_do():
 def test_sgd_divides_the_rate_stops_and_keeps_the_best_weights():
     errors = [1.0, 0.9, 0.95, 0.8, 0.85, 0.8, 0.86, 0.1]
     metrics, _, weights, epochs, weight = run(
-        errors, optimizer="sgd", passes=800, rows=4, patience=3, learning_rate=0.001
+        errors, optimizer="sgd", samples=800, rows=4, patience=3, learning_rate=0.001
     )
     assert len(epochs) == 7, "the fourth is the best, then three in a row are not better"
     assert metrics["epoch"] == 4 and metrics["validation_loss"] == 0.8
-    assert metrics["passes"] == 16
+    assert metrics["samples"] == 16
     assert weight == weights[3]
     moves = np.diff([0.0, *weights])  # one step in each epoch; the gradient is close to -2
     assert moves[3] < moves[2] / 3, "divided by 5 after the third"
@@ -74,7 +74,7 @@ def test_sgd_divides_the_rate_stops_and_keeps_the_best_weights():
 
 def test_adamw_rises_and_falls_and_keeps_the_last_weights():
     errors = [1.0, 2.0, 3.0, 4.0, 5.0]
-    metrics, _, weights, _, weight = run(errors, optimizer="adamw", passes=50, rows=10)
+    metrics, _, weights, _, weight = run(errors, optimizer="adamw", samples=50, rows=10)
     assert weight == weights[-1]
     assert metrics["validation_loss"] == 5
     moves = np.abs(np.diff(weights))
@@ -92,7 +92,7 @@ def test_the_cycle_stays_within_its_highest_rate(steps):
 
 def test_a_loss_that_is_no_number_is_an_error():
     with pytest.raises(ValueError, match=r"learning_rate is 0\.1, expected a lower one"):
-        run([float("nan")], optimizer="adamw", passes=10)
+        run([float("nan")], optimizer="adamw", samples=10)
 
 
 @given(

@@ -4,12 +4,12 @@ import pytest
 
 from pipeline.learning.settings import Optimisation, SafetySettings
 
-OPTIMISATION = {"optimizer": "adamw", "learning_rate": 1e-3, "weight_decay": 0.01, "passes": 10}
+OPTIMISATION = {"optimizer": "adamw", "learning_rate": 1e-3, "weight_decay": 0.01, "samples": 10}
 
 
 def test_the_papers_training_can_be_asked_for():
     settings = Optimisation(
-        optimizer="sgd", learning_rate=0.001, weight_decay=0.001, passes=4_000_000
+        optimizer="sgd", learning_rate=0.001, weight_decay=0.001, samples=4_000_000
     )
     assert settings.batch == 64
 
@@ -22,7 +22,7 @@ def test_the_papers_training_can_be_asked_for():
         ("learning_rate", float("inf")),
         ("weight_decay", -1),
         ("weight_decay", float("nan")),
-        ("passes", 0),
+        ("samples", 0),
         ("batch", 0),
         ("validation", 1.0),
         ("validation", -0.1),

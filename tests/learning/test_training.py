@@ -31,7 +31,7 @@ def settings(**fields) -> Optimisation:
         "optimizer": "adamw",
         "learning_rate": 3e-3,
         "weight_decay": 0.01,
-        "passes": FRAMES * 5,
+        "samples": FRAMES * 5,
         "batch": 16,
         "validation": 0.2,
         "threads": 1,
@@ -72,7 +72,7 @@ def test_the_primary_learns_to_read_the_steering(drives, trained):
     images, actions, _, _ = drives
     network, metrics = trained
     assert not network.training
-    assert metrics["passes"] == FRAMES * 5
+    assert metrics["samples"] == FRAMES * 5
     assert metrics["validation_steering"] < 0.2 * actions[:, 0].var()
     assert {f"validation_{part}" for part in ("loss", "brake", "indicators")} <= set(metrics)
     proposed, _ = propose(network, {CAMERA: images})
@@ -83,19 +83,19 @@ def test_the_metrics_are_told_after_each_epoch(drives):
     told = []
     _, metrics = train(
         drives,
-        settings(passes=500),
+        settings(samples=500),
         on_epoch=lambda epoch, epochs, metrics: told.append((epoch, epochs, metrics)),
     )
     assert [(epoch, epochs) for epoch, epochs, _ in told] == [(1, 3), (2, 3), (3, 3)]
     assert told[-1][2]["loss"] < told[0][2]["loss"]
-    assert metrics == told[-1][2] and metrics["passes"] == 500
-    assert [told_metrics["passes"] for *_, told_metrics in told] == [192, 384, 500]
+    assert metrics == told[-1][2] and metrics["samples"] == 500
+    assert [told_metrics["samples"] for *_, told_metrics in told] == [192, 384, 500]
 
 
 @pytest.mark.parametrize("bfloat16", [True, False])
 def test_the_same_seed_gives_the_same_bytes(drives, bfloat16):
     def weights(seed: int) -> list[bytes]:
-        told = settings(passes=64, bfloat16=bfloat16, seed=seed)
+        told = settings(samples=64, bfloat16=bfloat16, seed=seed)
         network, _ = train(drives, told, lesson(jitter=0.2, mirror=True))
         return [weight.detach().numpy().tobytes() for weight in network.parameters()]
 
@@ -110,7 +110,7 @@ def test_the_same_seed_gives_the_same_bytes(drives, bfloat16):
 def test_a_warm_start_begins_where_the_last_ended(drives, trained):
     network, _ = trained
     initial = network.state_dict()
-    told = settings(passes=1, learning_rate=1e-12, weight_decay=0.0, validation=0.0)
+    told = settings(samples=1, learning_rate=1e-12, weight_decay=0.0, validation=0.0)
     continued, metrics = train(drives, told, initial=initial)
     for name, weight in continued.state_dict().items():
         assert torch.allclose(weight, initial[name], atol=1e-9)
@@ -163,7 +163,7 @@ def safety_settings(**fields) -> SafetySettings:
         "optimizer": "adamw",
         "learning_rate": 1e-2,
         "weight_decay": 0.01,
-        "passes": 16_000,
+        "samples": 16_000,
         "hidden": 8,
         "balance": 0.0,
         "threads": 1,

@@ -37,7 +37,7 @@ def columns() -> dict[str, np.ndarray]:
 
 def trained(columns: dict[str, np.ndarray], **fields: int) -> ConvActor:
     told = {"optimizer": "adamw", "learning_rate": 3e-3, "weight_decay": 0.0, "batch": 16}
-    settings = Optimisation(**told, passes=FRAMES * 12, validation=0.0, threads=1, **fields)
+    settings = Optimisation(**told, samples=FRAMES * 12, validation=0.0, threads=1, **fields)
     lesson = ConvLesson(channels=8, hidden=32)
     features = lesson.learned(FEATURES)
     network, _ = train_primary(lesson, features, columns, np.arange(FRAMES), settings)

@@ -20,7 +20,7 @@ from tests.policies.test_conv import FEATURES
 FRAMES = 64
 FIT = {
     **{"optimizer": "sgd", "learning_rate": 1e-3, "weight_decay": 0.0, "batch": 16},
-    **{"passes": 2 * FRAMES, "validation": 0.25, "threads": 1, "bfloat16": False},
+    **{"samples": 2 * FRAMES, "validation": 0.25, "threads": 1, "bfloat16": False},
 }
 CLOSE = {"rtol": 0.01, "atol": 0.01}  # a GPU rounds the numbers that it multiplies
 

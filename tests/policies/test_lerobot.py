@@ -187,7 +187,7 @@ def test_a_chunk_that_is_too_short_is_refused(act: Path) -> None:
 
 
 def test_a_task_that_does_not_show_what_it_sees_is_refused_before_a_drive(act: Path) -> None:
-    car = Driving(tracks="willow", traffic=0, seconds=1, record_every=3)
+    car = Driving(tracks="willow", traffic=0, seconds=1, action_repeat=3)
     problem = (
         r"^task driving: column 'observation\.image' is missing, expected uint8 \[32, 32, 3\] by"
     )

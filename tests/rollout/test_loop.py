@@ -69,10 +69,10 @@ def test_without_a_primary_there_is_no_action_of_its_and_no_error() -> None:
     assert frame.intervention is True
 
 
-@pytest.mark.parametrize("record_every", [1, 3])
-def test_it_drives_as_long_as_it_may(record_every: int) -> None:
-    frames = [frame for _, frame in by_reference(record_every=record_every)]
-    assert len(frames) == 2 * CONTROL_HZ / record_every
+@pytest.mark.parametrize("action_repeat", [1, 3])
+def test_it_drives_as_long_as_it_may(action_repeat: int) -> None:
+    frames = [frame for _, frame in by_reference(action_repeat=action_repeat)]
+    assert len(frames) == 2 * CONTROL_HZ / action_repeat
     assert frames[-1].outcome["distance_m"] > 10
     assert all(frame.intervention for frame in frames)
     assert [frame.ended for frame in frames] == [None] * (len(frames) - 1) + ["out of time"]
@@ -152,7 +152,7 @@ def test_the_reference_is_asked_as_often_as_the_ledger_will_count(
     rule: Rule, measure: bool
 ) -> None:
     """The heart of the product: a query is a call of `label`, and nothing else is."""
-    env = CountingEnv(track="alder", traffic=3, record_every=3, seconds=2.0)
+    env = CountingEnv(track="alder", traffic=3, action_repeat=3, seconds=2.0)
     asking = Asking(env, can_look_up=True)
     frames = list(
         drive(
@@ -200,7 +200,7 @@ def test_the_policy_is_reset_before_a_drive_and_after_each_frame_of_the_referenc
 
 def test_a_reference_that_cannot_be_looked_up_is_not() -> None:
     """A person, say: what nobody asked, nobody knows."""
-    env = CountingEnv(track="alder", record_every=3, seconds=1.0)
+    env = CountingEnv(track="alder", action_repeat=3, seconds=1.0)
     asking = Asking(env, can_look_up=False)
     rng = np.random.default_rng(0)
     frames = list(drive(env, driver(), Naive(), seed=0, rng=rng, reference=asking, measure=True))

@@ -186,7 +186,7 @@ def test_a_mixture_asks_about_every_frame_and_drives_some(beta: float) -> None:
         {"seconds": 0.0},
         {"seconds": float("nan")},
         {"laps": -1.0},
-        {"record_every": 7},
+        {"action_repeat": 7},
         {"offset_spread": -0.1},
     ],
 )

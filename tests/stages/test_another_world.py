@@ -15,7 +15,7 @@ from tests.command import run
 TASK = ("--task", "tests.stages.pendulum:Pendulum", "--length", "1.5", "--seed", "0")
 FIT = (
     *("--optimizer", "adamw", "--learning-rate", "0.003", "--weight-decay", "0", "--batch", "8"),
-    *("--passes", "400", "--validation", "0", "--patience", "1", "--seed", "0", "--threads", "1"),
+    *("--samples", "400", "--validation", "0", "--patience", "1", "--seed", "0", "--threads", "1"),
 )
 CONV = ("--policy", "conv", "--channels", "4", "--hidden", "16")
 SAFETY = (
@@ -195,7 +195,7 @@ def test_the_second_primary_began_with_the_first(house: Path) -> None:
                 "alder",
                 "--traffic",
                 "0",
-                "--record-every",
+                "--action-repeat",
                 "3",
                 "--seconds",
                 "1",

@@ -21,7 +21,7 @@ DRIVES = {
     "--seconds": "1",
     "--offset-spread": "0.3",
     "--angle-spread": "0.05",
-    "--record-every": "2",
+    "--action-repeat": "2",
     "--seed": "0",
     "--workers": "1",
 }
@@ -83,7 +83,7 @@ def test_the_list_of_commands_shows_each_with_a_whole_line(
         ({"--seconds": "-3"}, "--seconds"),
         ({"--seconds": "nan"}, "seconds"),
         ({"--episodes": "0"}, "--episodes"),
-        ({"--record-every": "7"}, "record_every"),
+        ({"--action-repeat": "7"}, "action_repeat"),
         ({"--purpose": "fun"}, "--purpose"),
         ({"--workers": "0"}, "--workers"),
     ],
@@ -126,7 +126,7 @@ def test_an_output_that_exists_is_left_alone(
         (
             "cards",
             *("--datasets", "missing", "--models", "missing", "--metrics", "missing"),
-            *("--record-every", "3"),
+            *("--action-repeat", "3"),
             *("--dataset-cards", "out", "--model-cards", "out_too"),
         ),
         (
@@ -206,14 +206,14 @@ def test_what_nobody_asked_is_selected_merged_and_counted(
 
 PRIMARY = {
     **{"--channels": "2", "--optimizer": "adamw", "--learning-rate": "0.001", "--batch": "4"},
-    **{"--weight-decay": "0", "--passes": "4", "--validation": "0", "--patience": "1"},
+    **{"--weight-decay": "0", "--samples": "4", "--validation": "0", "--patience": "1"},
     **{"--jitter": "0", "--steering-weight": "1", "--brake-weight": "1", "--brake-on": "1"},
     **{"--brake-cut": "0.5", "--seed": "0", "--threads": "1"},
 }
 SAFETY = {
     **{"--tau": "0.0025", "--horizon": "0", "--horizon-mode": "last", "--cut": "0.5"},
     **{"--balance": "1", "--held-out": "0.5", "--hidden": "4", "--optimizer": "adamw"},
-    **{"--learning-rate": "0.001", "--weight-decay": "0", "--batch": "4", "--passes": "4"},
+    **{"--learning-rate": "0.001", "--weight-decay": "0", "--batch": "4", "--samples": "4"},
     **{"--validation": "0", "--patience": "1", "--seed": "0", "--threads": "1"},
 }
 
@@ -250,7 +250,7 @@ def test_training_is_refused_what_would_spoil_it(
     assert error == "safedagger: D_0: 6 of its frames are in D_0 too, expected none\n"
     assert run(capsys, monkeypatch, "train-safety", "one", "D_safe", "D_0", "safe", *of_one)[0] == 0
     watch = ("--tracks", "yew", "--traffic", "0", "--strategy", "safe", "--seconds", "0.2")
-    drive = (*watch, "--record-every", "3", "--seed", "0", "--save", "drive.rrd")
+    drive = (*watch, "--action-repeat", "3", "--seed", "0", "--save", "drive.rrd")
     code, error = run(capsys, monkeypatch, "watch", "other", "safe", *drive)
     assert code == 2
     assert error == "safedagger: safe: was trained to watch another primary than other\n"

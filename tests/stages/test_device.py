@@ -9,7 +9,7 @@ from stages import __main__ as cli
 from tests.command import run
 from tests.stages.test_another_world import CONV, FIT, SAFETY, TASK, collect
 
-TRACK = ("--tracks", "yew", "--traffic", "0", "--seconds", "1", "--record-every", "3")
+TRACK = ("--tracks", "yew", "--traffic", "0", "--seconds", "1", "--action-repeat", "3")
 FOUND = ("--strategy", "naive", *TRACK, "--seed", "0")
 ROLLOUT = ("--queries", "9", "--frames", "20", "--iteration", "1", "--metrics", "m.json")
 TYPED = {

@@ -15,7 +15,7 @@ HELD = Path(__file__).parents[1] / "held"
 SHARED = {
     "--tracks": "alder,birch,cedar,hazel,larch,maple,rowan",
     "--traffic": "20",
-    "--record-every": "3",
+    "--action-repeat": "3",
     "--seconds": "4",
     "--iteration": "0",
     "--seed": "0",

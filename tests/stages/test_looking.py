@@ -17,7 +17,7 @@ from tests.episodes import random_episode, write
 from tests.inspection.saved import column, recordings
 
 BOTH = ["primary", "safety", "primary_b", "safety_b"]
-CAR = ["--tracks", "willow", "--traffic", "3", "--seconds", "0.5", "--record-every", "3"]
+CAR = ["--tracks", "willow", "--traffic", "3", "--seconds", "0.5", "--action-repeat", "3"]
 WATCH = [*CAR, "--seed", "1"]
 FILM = [*WATCH, "--show-every", "1", "--strategy", "naive", "--output"]
 EVALUATE = ["--starts", "1", "--workers", "1", "--metrics", "x.json", "--drives"]
@@ -159,7 +159,7 @@ def test_each_side_is_driven_by_its_own_policies(
             UNDRAWN,
         ),
         (["compare-policies", *BOTH, *PENDULUM, "--strategy", "naive"], UNDRAWN),
-        (["watch", *WATCH, "--strategy", "reference", "--record-every", "7"], "record_every"),
+        (["watch", *WATCH, "--strategy", "reference", "--action-repeat", "7"], "action_repeat"),
         (["watch", *WATCH, "--strategy", "mixture"], "--strategy"),
         (["compare-policies", *BOTH, *WATCH, "--strategy", "reference"], "reference"),
         (["compare-policies", "a", "safety", "b", "safety", *WATCH, "--strategy", "safe"], "a/"),
