@@ -149,6 +149,9 @@ def _first_primaries(lineage: Lineage) -> set[str]:
 def read_labels(safety: Path) -> dict[str, Any]:
     """By what rule the labels of the safety policy in `safety` were made; raises as `read_config`."""
     config = read_config(safety, SAFETY_TYPE)
+    missing = [name for name in LABELS if name not in config.content]
+    if missing:
+        raise ValueError(f"{config.path}: {missing[0]} is missing, expected what labels it learned")
     return {name: config.content[name] for name in LABELS}
 
 

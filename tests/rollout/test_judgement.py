@@ -1,3 +1,4 @@
+import json
 from pathlib import Path
 
 import numpy as np
@@ -36,6 +37,11 @@ def test_it_goes_by_the_labels_and_the_cut_of_the_safety_policy(
     assert optimal.deviation(*actions) == expected == judgement.deviation(*actions)
     with pytest.raises(ValueError, match=r"config.json: No such file"):
         Judgement.read(tmp_path / "missing")
+    config = json.loads((tmp_path / "config.json").read_text())
+    del config["half_range"]
+    (tmp_path / "config.json").write_text(json.dumps(config))
+    with pytest.raises(ValueError, match=r"config.json: half_range is missing, expected"):
+        Judgement.read(tmp_path)
 
 
 def test_each_driving_strategy_has_its_rule() -> None:

@@ -6,6 +6,7 @@ import sys
 from pathlib import Path
 
 import numpy as np
+import pandas as pd
 import pytest
 
 from pipeline.data.dataset import Dataset
@@ -64,6 +65,21 @@ def test_the_second_primary_comes_from_the_first_and_from_what_was_asked(arm: Pa
     first, second = (policy_lineage(arm / name) for name in ("primary_0", "primary_1"))
     d_1 = Dataset.open(arm / "D_1").lineage
     assert {each.sha256 for each in second.parents} == {first.sha256, d_1.sha256}
+
+
+def test_it_is_evaluated_by_success(arm: Path) -> None:
+    measured = json.loads((arm / "driving_0.json").read_text())
+    drives = pd.read_csv(arm / "drives_0.csv")
+    assert drives.groupby("strategy").size().to_dict() == {"naive": 3, "safe": 3}
+    for strategy, driven in drives.groupby("strategy"):
+        found = measured[strategy]["as_is"]
+        assert found["success"] == pytest.approx(driven.success.mean(), rel=1e-5)
+        assert found["steps"] == pytest.approx(driven.frames.mean(), rel=1e-5)
+        assert found["takeover"] == pytest.approx(
+            driven.takeover_frames.sum() / driven.frames.sum(), rel=1e-5
+        )
+    assert set(drives.ended) <= {"success", "out of time"}
+    assert ((drives.ended == "success") == (drives.success == 1)).all()
 
 
 def test_act_trained_by_lerobot_is_driven_and_watched(arm: Path) -> None:
