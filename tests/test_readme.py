@@ -12,7 +12,17 @@ ROOT = Path(__file__).parent.parent
 README = (ROOT / "README.md").read_text()
 STAGES = [path for path in ROOT.glob("stages/*.py") if "@app.command" in path.read_text()]
 # what has more than one iteration
-OF_A_RUN = {"plan", "runs", "report", "errors", "inspect", "compare", "compare-policies", "watch"}
+OF_A_RUN = {
+    "plan",
+    "runs",
+    "report",
+    "results",
+    "errors",
+    "inspect",
+    "compare",
+    "compare-policies",
+    "watch",
+}
 
 
 def commands(

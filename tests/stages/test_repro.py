@@ -4,6 +4,7 @@ import json
 import os
 import subprocess
 import sys
+from collections import defaultdict
 from pathlib import Path
 from typing import Any
 
@@ -51,10 +52,28 @@ TINY: dict[str, Any] = {
 }
 
 
+# What Python runs first of all: each stage writes down which of our modules it loads, in whichever
+# process.
+WATCH = """
+import os, sys
+def seen(event, told):
+    if event == "import" and told[0].startswith("pipeline."):
+        with open(os.environ["LOADED"], "a") as log:
+            log.write(os.environ["DVC_STAGE"] + " " + told[0] + "\\n")
+if "DVC_STAGE" in os.environ:
+    sys.addaudithook(seen)
+"""
+
+
 @pytest.fixture(scope="module")
 def house(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A checkout's pipeline with tiny parameters, reproduced."""
-    return reproduced(tmp_path_factory.mktemp("house"), TINY)
+    root, watch = tmp_path_factory.mktemp("house"), tmp_path_factory.mktemp("watch")
+    (watch / "sitecustomize.py").write_text(WATCH)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("PYTHONPATH", str(watch), prepend=os.pathsep)
+        patch.setenv("LOADED", str(root / "loaded.txt"))
+        return reproduced(root, TINY)
 
 
 def reproduced(root: Path, tiny: dict) -> Path:
@@ -107,6 +126,25 @@ def test_the_run_is_what_it_was(house: Path) -> None:
         held = {k: v for k, v in next(iter(runs.values())).items() if k.startswith(places)}
     found = run_hashes(house)
     assert {name: found.get(name) for name in held} == held
+
+
+def test_stages_depend_on_the_code_that_they_run(house: Path) -> None:
+    """No more and no less, in whichever of their processes: a file, or a folder of them."""
+    loaded: dict[str, set[str]] = defaultdict(set)
+    for line in (house / "loaded.txt").read_text().splitlines():
+        stage, module = line.split()
+        file = f"{module.replace('.', '/')}.py"
+        if (HOUSE / file).is_file():
+            loaded[stage.partition("@")[0]].add(file)
+    stages = yaml.safe_load((HOUSE / "dvc.yaml").read_text())["stages"]
+    for name, stage in stages.items():
+        told = stage.get("do", stage)["deps"]
+        deps = {place for place in told if place.startswith("pipeline")}
+        used = {dep for dep in deps for f in loaded[name] if f == dep or f.startswith(f"{dep}/")}
+        covered = {f for f in loaded[name] for dep in deps if f == dep or f.startswith(f"{dep}/")}
+        assert (name, deps - used, loaded[name] - covered) == (name, set(), set())
+        own = f"stages/{stage.get('do', stage)['cmd'].split()[1].replace('-', '_')}.py"
+        assert own in told, name
 
 
 def test_what_was_selected_is_what_was_queried_is_what_was_merged(house: Path) -> None:
