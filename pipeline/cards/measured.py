@@ -4,6 +4,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
+from pipeline.evaluation.drives import read_drives
 from pipeline.evaluation.metrics_file import MetricsFile, SafetyQuality
 from pipeline.evaluation.summary import CONDITIONS, Performance
 from pipeline.rollout.strategies import DRIVING
@@ -24,17 +25,22 @@ class Measured:
     held_out_frames: int = 0
 
 
-def read_measured(metrics: Path, step: str, *, safety: bool) -> Measured:
-    """What `evaluate` and, for a safety policy, `train-safety` have measured in a step.
+def read_measured(metrics: Path, step: str, primary: str, *, safety: bool) -> Measured:
+    """What `evaluate` and, for a safety policy, `train-safety` have measured in a step; empty where
+    that was of another policy, of another seed's say, or nobody knows of which.
 
     Args:
-        metrics: the folder with driving_<step>.json and safety_<step>.json.
+        metrics: the folder with driving_<step>.json, drives_<step>.csv and safety_<step>.json.
         step: of the policy.
+        primary: the SHA-256 of the weights of the primary that drives with it.
         safety: whether it is a safety policy.
 
     Raises:
         ValueError: a file does not hold what it should.
     """
+    drives = metrics / f"drives_{step}.csv"
+    if not drives.is_file() or set(read_drives(drives).primary) != {primary}:
+        return Measured({})
     measured = _read_driving(driving_file(metrics, step))
     path = metrics / f"safety_{step}.json"
     if not (safety and path.exists()):

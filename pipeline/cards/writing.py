@@ -13,6 +13,7 @@ from pipeline.cards.strip import sample_rows, strip
 from pipeline.data.images import read_some_images
 from pipeline.data.lineage import Lineage
 from pipeline.driving.features import CAMERA
+from pipeline.policies.loading import weights_sha256
 
 
 def write_dataset_cards(folder: Path, catalogue: Catalogue) -> dict[str, Facts]:
@@ -76,7 +77,7 @@ def write_model_cards(
         primary = _primary(policy, path, catalogue)
         text = render_model_card(
             policy,
-            read_measured(metrics, policy.step, safety=policy.is_safety),
+            read_measured(metrics, policy.step, _drives(policy, path), safety=policy.is_safety),
             training=_training(lineage, catalogue, datasets),
             primary=place(primary) if primary else None,
             safety=place(path) if policy.is_safety else None,
@@ -91,6 +92,12 @@ def _primary(policy: PolicyFacts, path: Path, catalogue: Catalogue) -> Path | No
     if not policy.is_safety:
         return path
     return catalogue.model(policy.config["primary_sha256"])
+
+
+def _drives(policy: PolicyFacts, path: Path) -> str:
+    """The SHA-256 of the primary that drives with it."""
+    sha256: str = policy.config["primary_sha256"] if policy.is_safety else weights_sha256(path)
+    return sha256
 
 
 def _training(

@@ -18,7 +18,7 @@ from pipeline.driving.features import ROBOT_TYPE
 from pipeline.driving.metrics import METRICS
 from pipeline.driving.network import PrimaryNetwork
 from pipeline.driving.policy import PrimaryConfig, PrimaryPolicy
-from pipeline.evaluation.drives import table
+from pipeline.evaluation.drives import table, write_drives
 from pipeline.evaluation.summary import summarise
 from pipeline.evaluation.writing import write_metrics
 from pipeline.policies.loading import policy_lineage, weights_sha256
@@ -49,7 +49,7 @@ def original(tmp_path_factory: pytest.TempPathFactory) -> Path:
     _tell(root / "models/safety_0", Recipe("safety", {"tau": 0.05}, parents))
     policies = [policy_lineage(root / f"models/{name}_0") for name in ("primary", "safety")]
     _write_rollout(root / "datasets", d_0, policies)
-    _write_metrics(root / "metrics")
+    _write_metrics(root / "metrics", watched)
     return root
 
 
@@ -111,8 +111,9 @@ def _write_rollout(folder: Path, d_0: Dataset, policies: list[Lineage]) -> None:
     merge([d_0, Dataset.open(folder / "new_1")], folder / "D_1")
 
 
-def _write_metrics(folder: Path) -> None:
-    drives = table([outcome(), outcome(traffic=3.0, damage=6.0)])
+def _write_metrics(folder: Path, primary: str) -> None:
+    drives = table([outcome(), outcome(traffic=3.0, damage=6.0)]).assign(primary=primary)
+    write_drives(folder / "drives_0.csv", drives)
     task = {"name": "driving", "tracks": "yew,random:9", "laps": 0.5}
     evaluated = {"task": task, **summarise(drives, METRICS)}
     write_metrics(folder / "driving_0.json", evaluated)

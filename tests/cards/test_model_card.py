@@ -9,6 +9,8 @@ import pytest
 import torch
 from huggingface_hub import ModelCard
 
+from pipeline.evaluation.drives import read_drives, write_drives
+
 NAMES = ["primary_0", "safety_0"]
 
 
@@ -46,6 +48,21 @@ def test_the_model_index_is_what_was_measured(name: str, cards: Path) -> None:
         quality = {"auroc": 0.75, "recall": 0.6, "precision": 0.5}
         expected |= {("held out", metric): value for metric, value in quality.items()}
     assert found == expected
+
+
+@pytest.mark.parametrize("whose", ["f" * 64, "unknown"])
+def test_what_was_measured_of_another_policy_is_not_shown(
+    whose: str, house: Path, make_cards: Callable[..., Path]
+) -> None:
+    """Of another seed, or of an earlier run."""
+    file = house / "metrics" / "drives_0.csv"
+    drives = read_drives(file).assign(primary=whose)
+    file.unlink()
+    write_drives(file, drives)
+    for name in NAMES:
+        card = make_cards(f"cards_{whose[:2]}_{name}") / "models" / f"{name}.md"
+        assert "Nobody has evaluated it." in card.read_text()
+        assert ModelCard.load(card).data.eval_results is None
 
 
 def test_it_says_what_it_is_and_what_it_learned_from(cards: Path) -> None:
