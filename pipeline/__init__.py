@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from pipeline.rollout.rules.rule import Decision as Decision
     from pipeline.rollout.rules.rule import Rule as Rule
     from pipeline.rollout.rules.rule import Signals as Signals
-    from pipeline.task import Setting as Setting
+    from pipeline.settings import Setting as Setting
     from pipeline.task import Task as Task
 
 _PLACES = {
@@ -33,7 +33,7 @@ _PLACES = {
     "Decision": "rollout.rules.rule",
     "Rule": "rollout.rules.rule",
     "Signals": "rollout.rules.rule",
-    "Setting": "task",
+    "Setting": "settings",
     "Task": "task",
 }
 __all__ = list(_PLACES)

@@ -37,14 +37,15 @@ def write_file(path: Path, content: bytes) -> None:
         (scratch / "content").replace(path)
 
 
-def check_place(*paths: Path) -> None:
-    """Try, before any work is done, whether something new can be written at each of `paths`.
+def check_place(*paths: Path | None) -> None:
+    """Try, before any work is done, whether something new can be written at each of `paths`, but
+    None.
 
     Raises:
         FileExistsError: there is something at one of them.
         ValueError: a name is too long, a folder is a file, or cannot be written into.
     """
-    for path in paths:
+    for path in filter(None, paths):
         try:
             if os.path.lexists(path):
                 raise FileExistsError(f"{path}: exists already, expected a new path")

@@ -4,32 +4,24 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
-from dataclasses import dataclass, fields
-from typing import TYPE_CHECKING, Any, ClassVar, get_type_hints
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, ClassVar
 
 from pipeline.data.schema import Feature
 from pipeline.metric import DRIVEN, Metric
 from pipeline.registry import TASKS, find_subclass
+from pipeline.settings import Settings
 
 if TYPE_CHECKING:
     from pipeline.environment import Environment
 
 
 @dataclass(frozen=True)
-class Setting:
-    """What there is to know of a field of a task: `Annotated[int, Setting("Other cars.", 0)]`."""
-
-    help: str
-    """one sentence, with the unit"""
-    least: float | None = None
-    """the smallest value that makes sense"""
-
-
-@dataclass(frozen=True)
-class Task(ABC):
+class Task(Settings, ABC):
     """A world with its settings; it can be pickled, and makes its environments where they are driven.
 
-    A subclass is a frozen dataclass: its fields, each with a `Setting`, are what commands take.
+    A subclass is a frozen dataclass: its fields, each with a `settings.Setting`, are what commands
+    take.
     """
 
     name: ClassVar[str]
@@ -77,12 +69,3 @@ def load_task(name: str) -> type[Task]:
     """
     found: type[Task] = find_subclass("task", name, TASKS, Task)
     return found
-
-
-def settings(kind: type) -> dict[str, tuple[type, Setting, Any]]:
-    """By the name of a field: its type, what there is to know, and its default if it has one."""
-    hints = get_type_hints(kind, include_extras=True)
-    return {
-        each.name: (hints[each.name].__origin__, hints[each.name].__metadata__[0], each.default)
-        for each in fields(kind)
-    }

@@ -27,18 +27,19 @@ class Purpose(StrEnum):
 
 
 @app.command()
-@options.seam("task")
 def collect(
     context: typer.Context,
     output: options.Output,
     task: "Task",
-    episodes: Annotated[int, typer.Option(min=1, help="Drives, spread evenly over the scenarios.")],
+    episodes: Annotated[
+        int, typer.Option(min=1, help="Drives, spread evenly over the scenarios.")
+    ] = 70,
     purpose: Annotated[
         Purpose, typer.Option(help="Which random numbers to draw: no two purposes share any.")
-    ],
-    iteration: Annotated[int, typer.Option(min=0, help="The iteration that this is for.")],
-    seed: options.Seed,
-    workers: options.Workers,
+    ] = Purpose.d_0,
+    iteration: Annotated[int, typer.Option(min=0, help="The iteration that this is for.")] = 0,
+    seed: options.Seed = 0,
+    workers: options.Workers = 2,
 ) -> None:
     """Collect a dataset with the reference (lines 1, 2).
 

@@ -14,7 +14,6 @@ app = typer.Typer()
 
 
 @app.command()
-@options.seam("task")
 def compare_policies(
     primary_a: Annotated[Path, typer.Argument(help="A primary policy ...")],
     safety_a: Annotated[Path, typer.Argument(help="... and its safety policy.")],

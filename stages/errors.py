@@ -5,6 +5,7 @@ from typing import Annotated
 
 import typer
 
+from pipeline.registry import MEASURES
 from stages import options
 
 app = typer.Typer()
@@ -16,7 +17,9 @@ def errors(
     trained: Annotated[Path, typer.Argument(help="What it was trained on: D_0.")],
     held_out: Annotated[Path, typer.Argument(help="Drives like these that it never saw.")],
     tau: Annotated[float, typer.Option(min=1e-9, help="The threshold on the deviation.")],
-    measure: options.Measure,
+    measure: Annotated[
+        str, typer.Option(help=f"What deviates: {', '.join(MEASURES)}, or module:function.")
+    ],
     share: Annotated[
         float,
         typer.Option(

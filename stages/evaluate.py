@@ -14,21 +14,23 @@ app = typer.Typer()
 
 
 @app.command()
-@options.seam("task")
 def evaluate(
     primary: options.Primary,
     task: "Task",
-    starts: Annotated[
-        int, typer.Option(min=1, help="Drives of each scenario, from different places.")
-    ],
-    strategies: Annotated[
-        str, typer.Option(help="Driving strategies, separated by commas: naive, safe, optimal.")
-    ],
     drives: Annotated[Path, typer.Option(help="Where to write each drive's outcome (CSV).")],
     metrics: options.Metrics,
-    seed: options.Seed,
-    workers: options.Workers,
     safety: options.SafetyIfAny = None,
+    strategies: Annotated[
+        str | None,
+        typer.Option(
+            help="Driving strategies, separated by commas; by default naive, and with a safety policy safe and optimal."
+        ),
+    ] = None,
+    starts: Annotated[
+        int, typer.Option(min=1, help="Drives of each scenario, from different places.")
+    ] = 1,
+    seed: options.Seed = 0,
+    workers: options.Workers = 2,
     cut: options.Cut = None,
     hold: options.Hold = None,
     device: options.Device = "cpu",
@@ -53,7 +55,8 @@ def evaluate(
     driver = Driver.load(primary, safety, hold=hold or 1, device=find_device(device))
     driver.check_task(task.name, task.features)
     judgement = Judgement.read(safety, cut) if safety else None
-    rules = [rule_of(parse_driving(name), judgement) for name in options.names(strategies)]
+    told = strategies or ("naive,safe,optimal" if safety else "naive")
+    rules = [rule_of(parse_driving(name), judgement) for name in options.names(told)]
     planned = list(trials(task, rules, starts, seed=seed))
     rows = []
     with options.progress("driving", len(planned)) as advance_to:

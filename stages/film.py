@@ -14,7 +14,6 @@ app = typer.Typer()
 
 
 @app.command()
-@options.seam("task")
 def film(
     primary: options.Primary,
     task: "Task",

@@ -13,20 +13,12 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from pipeline.registry import MEASURES
+from pipeline.settings import Setting, Settings, settings
 
 if TYPE_CHECKING:
     from rerun.blueprint import Blueprint
 
     from pipeline.inspection.rerun_sinks import Sink
-
-
-class OptimizerName(StrEnum):
-    """How to descend."""
-
-    sgd = "sgd"
-    adamw = "adamw"
-
 
 Dataset = Annotated[Path, typer.Argument(help="A LeRobot dataset of this project.")]
 Output = Annotated[Path, typer.Argument(help="Where to write. It must not exist.")]
@@ -49,9 +41,6 @@ Cut = Annotated[
         help="A frame is unsafe below this safe probability; by default the safety policy's own.",
     ),
 ]
-Measure = Annotated[
-    str, typer.Option(help=f"What deviates: {', '.join(MEASURES)}, or module:function.")
-]
 Hold = Annotated[
     int | None,
     typer.Option(
@@ -61,6 +50,10 @@ Hold = Annotated[
 ]
 Metrics = Annotated[
     Path, typer.Option(help="Where to write what was measured (JSON). It must not exist.")
+]
+MetricsIfAny = Annotated[
+    Path | None,
+    typer.Option(help="Where to write what was measured, too (JSON). It must not exist."),
 ]
 Params = Annotated[
     Path, typer.Option(help="What an experiment is told: runs, and the numbers of its stages.")
@@ -82,55 +75,48 @@ Save = Annotated[
 ]
 Web = Annotated[bool, typer.Option("--web", help="Serve it to a browser on this machine instead.")]
 
-Optimizer = Annotated[
-    OptimizerName, typer.Option(help="sgd is the paper's, adamw one cycle of AdamW.")
-]
-LearningRate = Annotated[float, typer.Option(help="Above 0; for adamw the highest of the cycle.")]
-WeightDecay = Annotated[float, typer.Option(min=0, help="Weight decay.")]
-Batch = Annotated[int, typer.Option(min=1, help="Examples in a step.")]
-Samples = Annotated[int, typer.Option(min=1, help="Examples shown in all.")]
-Validation = Annotated[
-    float,
-    typer.Option(help="Share of the episodes held out for the validation error, [0, 1)."),
-]
-Patience = Annotated[
-    int, typer.Option(min=1, help="For sgd: epochs without improvement before it stops.")
-]
-Threads = Annotated[
-    int, typer.Option(min=1, help="Processor threads. Another number may give other last bits.")
-]
-
-
-def seam[Command: Callable[..., None]](name: str) -> Callable[[Command], Command]:
-    """Let a command that has a parameter `name` ("task" or "policy") choose what it is by an option
-    of that name, `--task driving` say, and take the settings of that as further options.
-
-    What is chosen, the command line says, so what a command takes is known only when it is called:
-    see `chosen`.
-    """
-
-    def mark(command: Command) -> Command:
-        command.seam = name  # type: ignore[attr-defined]
-        return command
-
-    return mark
-
 
 def chosen(command: Callable[..., None], typed: Sequence[str]) -> Callable[..., None]:
-    """The command with the options of what is `typed`; unchanged if it has no `seam`.
+    """The command with options in the place of each parameter that is a dataclass of `Settings`.
+
+    One that is a "Task" or a "Lesson" can be any: which one, an option of the parameter's name says,
+    `--task driving`. So what a command takes is known only when it is called: see `typed`.
 
     Raises:
         ValueError: there is no such task or policy.
     """
-    name = getattr(command, "seam", None)
-    if name is None:
-        return command
+    signature = inspect.signature(command)
+    parameters, made = [], {}
+    for given in signature.parameters.values():
+        name, kind = given.name, given.annotation
+        if kind in ("Task", "Lesson"):
+            known, kind = _named(kind, _after(f"--{name}", typed, "driving"))
+            which = typer.Option(help=f"{', '.join(known)}, or module:class.")
+            parameters.append(_parameter(name, Annotated[str, which], kind.name))
+        if isinstance(kind, type) and issubclass(kind, Settings):
+            made[name] = kind, (own := settings(kind))
+            parameters += [_option(field, *told) for field, told in own.items()]
+        else:
+            parameters.append(_parameter(name, kind, given.default))
+
+    def called(**given: Any) -> None:
+        for name, (kind, own) in made.items():
+            given[name] = kind(**{field: given.pop(field) for field in own})
+        command(**given)
+
+    called.__signature__ = signature.replace(parameters=parameters)  # type: ignore[attr-defined]
+    called.__annotations__ = {each.name: each.annotation for each in parameters}
+    called.__name__, called.__doc__ = command.__name__, command.__doc__
+    return called
+
+
+def _named(seam: str, name: str) -> tuple[Iterable[str], Any]:
+    """What there is by name beyond a seam, and what has this one."""
     from pipeline.policies.lesson import load_lesson
     from pipeline.registry import LESSONS, TASKS
     from pipeline.task import load_task
 
-    known, load = {"task": (TASKS, load_task), "policy": (LESSONS, load_lesson)}[name]
-    return _with_settings(command, name, known, load(_after(f"--{name}", typed, "driving")))
+    return (TASKS, load_task(name)) if seam == "Task" else (LESSONS, load_lesson(name))
 
 
 def _after(option: str, typed: Sequence[str], default: str) -> str:
@@ -143,44 +129,18 @@ def _after(option: str, typed: Sequence[str], default: str) -> str:
     return default
 
 
-def _with_settings(
-    command: Callable[..., None], name: str, known: Iterable[str], kind: Any
-) -> Callable[..., None]:
-    """The command with `--name` and the settings of `kind` in the place of its parameter `name`."""
-    from pipeline.task import settings
+def _option(name: str, kind: Any, setting: Setting, default: Any) -> inspect.Parameter:
+    """A field as an option; an open end of its range is for the dataclass to refuse."""
+    least, most = max(setting.at_least, setting.above), min(setting.at_most, setting.below)
+    ends = [end if math.isfinite(end) else None for end in (least, most)]
+    option = typer.Option(help=setting.help, min=ends[0], max=ends[1])
+    default = inspect.Parameter.empty if default is MISSING else default
+    return _parameter(name, Annotated[kind, option], default)
 
-    own = settings(kind)
 
-    def called(**given: Any) -> None:
-        given[name] = kind(**{field: given.pop(field) for field in own})
-        command(**given)
-
-    def parameter(name: str, annotation: Any, default: Any) -> inspect.Parameter:
-        kind = inspect.Parameter.KEYWORD_ONLY
-        default = inspect.Parameter.empty if default is MISSING else default
-        return inspect.Parameter(name, kind, annotation=annotation, default=default)
-
-    which = Annotated[str, typer.Option(help=f"{', '.join(known)}, or module:class.")]
-    options = [parameter(name, which, kind.name)] + [
-        parameter(
-            field,
-            Annotated[of, typer.Option(help=setting.help, min=setting.least)],
-            default,
-        )
-        for field, (of, setting, default) in own.items()
-    ]
-    signature = inspect.signature(command)
-    parameters = [
-        each
-        for given in signature.parameters.values()
-        for each in (
-            options if given.name == name else [given.replace(kind=inspect.Parameter.KEYWORD_ONLY)]
-        )
-    ]
-    called.__signature__ = signature.replace(parameters=parameters)  # type: ignore[attr-defined]
-    called.__annotations__ = {each.name: each.annotation for each in parameters}
-    called.__name__, called.__doc__ = command.__name__, command.__doc__
-    return called
+def _parameter(name: str, annotation: Any, default: Any) -> inspect.Parameter:
+    kind = inspect.Parameter.KEYWORD_ONLY
+    return inspect.Parameter(name, kind, annotation=annotation, default=default)
 
 
 def arguments(context: typer.Context) -> dict[str, Any]:

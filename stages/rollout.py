@@ -17,7 +17,6 @@ app = typer.Typer()
 
 
 @app.command()
-@options.seam("task")
 def rollout(
     context: typer.Context,
     primary: options.Primary,
@@ -26,14 +25,16 @@ def rollout(
     task: "Task",
     queries: Annotated[
         int, typer.Option(min=1, help="Stop when the reference has been asked so often ...")
-    ],
-    frames: Annotated[int, typer.Option(min=1, help="... or so many frames have been driven.")],
+    ] = 3000,
+    frames: Annotated[
+        int, typer.Option(min=1, help="... or so many frames have been driven.")
+    ] = 40_000,
     iteration: Annotated[
         int, typer.Option(min=1, help="The iteration of Algorithm 1 that this is for.")
-    ],
-    metrics: options.Metrics,
-    seed: options.Seed,
-    workers: options.Workers,
+    ] = 1,
+    metrics: options.MetricsIfAny = None,
+    seed: options.Seed = 0,
+    workers: options.Workers = 2,
     cut: options.Cut = None,
     hold: options.Hold = None,
     device: options.Device = "cpu",
@@ -101,5 +102,6 @@ def rollout(
     quality = detection_quality(
         np.concatenate(probabilities), np.concatenate(deviations), tau, judgement.cut
     )
-    write_metrics(metrics, {"tau": tau, "rollout": quality})
+    if metrics:
+        write_metrics(metrics, {"tau": tau, "rollout": quality})
     typer.echo(f"{summary}; {options.figures(quality)}")

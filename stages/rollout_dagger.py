@@ -15,19 +15,18 @@ app = typer.Typer()
 
 
 @app.command()
-@options.seam("task")
 def rollout_dagger(
     context: typer.Context,
     primary: options.Primary,
     output: options.Output,
     task: "Task",
+    frames: Annotated[int, typer.Option(min=1, help="How many frames to drive: each is a query.")],
     beta: Annotated[
         float, typer.Option(min=0, max=1, help="Probability that the reference drives a frame.")
-    ],
-    frames: Annotated[int, typer.Option(min=1, help="How many frames to drive: each is a query.")],
-    iteration: Annotated[int, typer.Option(min=1, help="The iteration that this is for.")],
-    seed: options.Seed,
-    workers: options.Workers,
+    ] = 0.0,
+    iteration: Annotated[int, typer.Option(min=1, help="The iteration that this is for.")] = 1,
+    seed: options.Seed = 0,
+    workers: options.Workers = 2,
     hold: options.Hold = None,
     device: options.Device = "cpu",
 ) -> None:

@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from pipeline.learning.settings import Optimisation
 from stages import options
 
 if TYPE_CHECKING:
@@ -14,21 +15,12 @@ app = typer.Typer()
 
 
 @app.command()
-@options.seam("policy")
 def train_primary(
     context: typer.Context,
     dataset: options.Dataset,
     output: options.Output,
     policy: "Lesson",
-    optimizer: options.Optimizer,
-    learning_rate: options.LearningRate,
-    weight_decay: options.WeightDecay,
-    batch: options.Batch,
-    samples: options.Samples,
-    validation: options.Validation,
-    patience: options.Patience,
-    seed: options.Seed,
-    threads: options.Threads,
+    settings: Optimisation,
     initial: Annotated[
         Path | None, typer.Option(help="A primary policy to start from, else from scratch.")
     ] = None,
@@ -39,31 +31,19 @@ def train_primary(
     from pipeline.data.images import read_all
     from pipeline.data.labels import check_labels
     from pipeline.data.lineage import Recipe
-    from pipeline.learning.settings import Optimisation
     from pipeline.learning.training import train_primary as train
     from pipeline.output import new_directory
     from pipeline.policies.computing import find_device
     from pipeline.policies.loading import load_primary, policy_lineage, weights_sha256
 
     computes = find_device(device)
-    settings = Optimisation(
-        optimizer=optimizer.value,
-        learning_rate=learning_rate,
-        weight_decay=weight_decay,
-        samples=samples,
-        batch=batch,
-        validation=validation,
-        patience=patience,
-        seed=seed,
-        threads=threads,
-    )
     with new_directory(output) as folder:
         learned = Dataset.open(dataset)
         features = policy.learned(learned.features)
         learned.require(features)
         check_labels(learned)
         start = load_primary(initial).state_dict() if initial else None
-        with options.progress("training", samples) as advance_to:
+        with options.progress("training", settings.samples) as advance_to:
             network, measured = train(
                 policy,
                 features,

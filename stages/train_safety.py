@@ -1,21 +1,14 @@
 """Lines 4 and 10 of Algorithm 1: fit pi_safe,i to where pi_i deviates, on D_safe and D_i."""
 
-from enum import StrEnum
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
+from pipeline.learning.settings import SafetySettings
 from stages import options
 
 app = typer.Typer()
-
-
-class HorizonMode(StrEnum):
-    """Which deviation of the horizon counts."""
-
-    last = "last"
-    max = "max"
 
 
 @app.command()
@@ -25,37 +18,8 @@ def train_safety(
     d_safe: Annotated[Path, typer.Argument(help="D_safe: no primary was trained on it.")],
     dataset: Annotated[Path, typer.Argument(help="D_i: this primary was trained on it.")],
     output: options.Output,
-    tau: Annotated[float, typer.Option(min=0, help="Threshold on the deviation: safe up to here.")],
-    measure: options.Measure,
-    horizon: Annotated[
-        float, typer.Option(min=0, help="How far ahead to foresee a deviation [s].")
-    ],
-    horizon_mode: Annotated[
-        HorizonMode,
-        typer.Option(help="The deviation at the end of the horizon, or the largest within."),
-    ],
-    cut: Annotated[
-        float,
-        typer.Option(min=0, max=1, help="Unsafe is what has a lower probability of being safe."),
-    ],
-    balance: Annotated[
-        float,
-        typer.Option(min=0, max=1, help="Class weights: 0 counts each frame alike, 1 each class."),
-    ],
-    held_out: Annotated[
-        float, typer.Option(min=0, max=1, help="Share of D_safe's episodes kept to measure with.")
-    ],
-    hidden: Annotated[int, typer.Option(min=1, help="Width of each of the two hidden layers.")],
-    optimizer: options.Optimizer,
-    learning_rate: options.LearningRate,
-    weight_decay: options.WeightDecay,
-    batch: options.Batch,
-    samples: options.Samples,
-    validation: options.Validation,
-    patience: options.Patience,
-    metrics: options.Metrics,
-    seed: options.Seed,
-    threads: options.Threads,
+    settings: SafetySettings,
+    metrics: options.MetricsIfAny = None,
     features_of: Annotated[
         str,
         typer.Option(help="Of a primary of LeRobot's: the module whose input it reads."),
@@ -66,6 +30,7 @@ def train_safety(
 
     To tell, without asking the reference, where the primary deviates from it.
     """
+    from dataclasses import replace
     from functools import partial
 
     import numpy as np
@@ -77,7 +42,6 @@ def train_safety(
     from pipeline.learning.labels import LabelRule, safe_labels
     from pipeline.learning.quality import detection_quality
     from pipeline.learning.safety import held_out_episodes, judge
-    from pipeline.learning.settings import SafetySettings
     from pipeline.learning.training import safe_probabilities
     from pipeline.learning.training import train_safety as train
     from pipeline.output import check_place, new_directory
@@ -88,47 +52,28 @@ def train_safety(
 
     check_place(metrics)
     computes = find_device(device)
-    settings = SafetySettings(
-        optimizer=optimizer.value,
-        learning_rate=learning_rate,
-        weight_decay=weight_decay,
-        samples=samples,
-        batch=batch,
-        validation=validation,
-        patience=patience,
-        seed=seed,
-        threads=threads,
-        hidden=hidden,
-        balance=balance,
-    )
     network = load_primary(primary, features_of, computes)
+    settings = replace(settings, measure=settings.measure or network.measure)
     safe_data, own_data = Dataset.open(d_safe), Dataset.open(dataset)
-    half_ranges = half_range(safe_data.features.get("action", network.action))
     config = SafetyConfig(
         primary_sha256=weights_sha256(primary),
         features_of=features_of,
         features=network.feature_size,
-        hidden=hidden,
-        tau=tau,
-        cut=cut,
-        measure=measure,
-        half_range=half_ranges,
-        horizon=horizon,
-        horizon_mode=horizon_mode.value,
-        balance=balance,
+        half_range=half_range(safe_data.features.get("action", network.action)),
+        **settings.kept,
     )
-    rule = LabelRule(measure, horizon, horizon_mode.value, half_ranges)
     with new_directory(output) as folder:
         refuse_shared(own_data, safe_data)
-        judged = partial(judge, network, rule=rule)
+        judged = partial(judge, network, rule=LabelRule.of(vars(config)))
         unseen = judged(safe_data)
-        kept = held_out_episodes(unseen, held_out, np.random.default_rng(seed))
+        rng = np.random.default_rng(settings.seed)
+        kept = held_out_episodes(unseen, settings.held_out, rng)
         shown = unseen.only(~kept) + judged(own_data)
-        safe = safe_labels(shown.deviation, tau)
+        safe = safe_labels(shown.deviation, settings.tau)
         if len(np.unique(safe)) == 1:
             kind = "safe" if safe[0] else "unsafe"
             typer.echo(f"all frames to learn from are {kind}: it will call any {kind}", err=True)
-        with options.progress("training", samples) as advance_to:
+        with options.progress("training", settings.samples) as advance_to:
             safety, _ = train(
                 shown.features,
                 safe,
@@ -139,13 +84,14 @@ def train_safety(
             )
         SafetyPolicy(config, safety).save_pretrained(folder)
         parents = [policy_lineage(primary), safe_data.lineage, own_data.lineage]
-        recipe = Recipe("safety", options.arguments(context), parents)
+        arguments = options.arguments(context) | {"measure": settings.measure}
+        recipe = Recipe("safety", arguments, parents)
         recipe.lineage(weights_sha256(folder)).write(folder)
         measured = unseen.only(kept)
-        quality = detection_quality(
-            safe_probabilities(safety, measured.features), measured.deviation, tau, cut
-        )
-    write_metrics(metrics, {"tau": tau, "held_out": quality})
+        probabilities = safe_probabilities(safety, measured.features)
+        quality = detection_quality(probabilities, measured.deviation, settings.tau, settings.cut)
+    if metrics:
+        write_metrics(metrics, {"tau": settings.tau, "held_out": quality})
     typer.echo(
         f"{output}: trained on {len(shown.deviation)} frames; held out: {options.figures(quality)}"
     )

@@ -25,7 +25,6 @@ class Driving(StrEnum):
 
 
 @app.command()
-@options.seam("task")
 def watch(
     task: "Task",
     strategy: Annotated[Driving, typer.Option(help="Who drives. reference needs no policies.")],

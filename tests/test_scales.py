@@ -4,9 +4,12 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+import typer
 import yaml
 
+from pipeline.driving.network import PrimaryNetwork
 from pipeline.runs import Comparison, read_params, render
+from stages import __main__ as cli
 
 ROOT = Path(__file__).parent.parent
 FILES = ["params.yaml", "scales/experiment.yaml", "scales/paper.yaml"]
@@ -25,6 +28,27 @@ def test_every_scale_has_the_same_options(name: str) -> None:
     for group, options in expected.items():
         if isinstance(options, dict) and group != "runs":
             assert found[group].keys() == options.keys(), group
+
+
+def test_what_is_not_typed_is_as_the_default_scale_has_it() -> None:
+    params = read_params(ROOT / "params.yaml")
+    shared = {"seed": params["seed"]}
+    drive = params["drive"] | shared | {"workers": params["workers"]}
+    drive |= {"tracks": params["tracks"]["training"]}
+    training = shared | {"threads": params["workers"]}
+    run = params["runs"]["safedagger"]
+    told = {
+        "collect": drive | {"episodes": params["d-0"]["episodes"]},
+        "train-primary": params["primary-0"] | params["train-primary"] | training,
+        "train-safety": params["train-safety"] | {"tau": run["tau"][0], "measure": ""} | training,
+        "rollout": drive | {n: params["rollout"][n] for n in ("frames", "seconds")},
+    }
+    told["rollout"] |= {"queries": run["queries"][0]}
+    commands = typer.main.get_command(cli.commands([])).commands  # type: ignore[attr-defined]
+    for command, expected in told.items():
+        defaults = {each.opts[0].lstrip("-"): each.default for each in commands[command].params}
+        assert {name: defaults[name] for name in expected} == expected, command
+    assert PrimaryNetwork.measure == params["train-safety"]["measure"]
 
 
 def test_the_loops_are_those_of_the_runs() -> None:

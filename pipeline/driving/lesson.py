@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, ClassVar
 from pipeline.data.schema import Feature
 from pipeline.driving.features import CAMERA, IMITATED
 from pipeline.policies.lesson import Lesson
-from pipeline.task import Setting
+from pipeline.settings import Setting
 
 if TYPE_CHECKING:
     import torch
@@ -31,21 +31,21 @@ class DrivingLesson(Lesson):
 
     name: ClassVar[str] = "driving"
 
-    channels: Annotated[int, Setting("Of Conv1 to Conv4; 64 in the paper.", 1)]
+    channels: Annotated[int, Setting("Of Conv1 to Conv4; 64 in the paper.", 1)] = 32
     jitter: Annotated[
-        float, Setting("How far brightness, contrast and colours are moved, [0, 1).", 0)
-    ]
-    mirror: Annotated[bool, Setting("Show half of the images as in a mirror, labels and all.")]
-    steering_weight: Annotated[float, Setting("Weight of the steering in the loss.", 0)]
-    brake_weight: Annotated[float, Setting("Weight of the brake in the loss.", 0)]
-    brake_on: Annotated[float, Setting("Class weight of the brake being on, the rare label.", 0)]
-    brake_cut: Annotated[float, Setting("Brake where its probability is above this, [0, 1].", 0)]
-
-    def __post_init__(self) -> None:
-        if not 0 <= self.jitter < 1:
-            raise ValueError(f"jitter is {self.jitter}, expected a number in [0, 1)")
-        if not 0 <= self.brake_cut <= 1:
-            raise ValueError(f"brake_cut is {self.brake_cut}, expected a number from 0 to 1")
+        float, Setting("How far brightness, contrast and colours are moved, [0, 1).", 0, below=1)
+    ] = 0.2
+    mirror: Annotated[bool, Setting("Show half of the images as in a mirror, labels and all.")] = (
+        True
+    )
+    steering_weight: Annotated[float, Setting("Weight of the steering in the loss.", 0)] = 40.0
+    brake_weight: Annotated[float, Setting("Weight of the brake in the loss.", 0)] = 2.0
+    brake_on: Annotated[
+        float, Setting("Class weight of the brake being on, the rare label.", 0)
+    ] = 3.0
+    brake_cut: Annotated[
+        float, Setting("Brake where its probability is above this.", 0, at_most=1)
+    ] = 0.5
 
     def learned(self, features: Mapping[str, Feature]) -> Mapping[str, Feature]:
         """The front camera, the actions and the affordances."""

@@ -33,6 +33,7 @@ class PrimaryNetwork(ConvNetwork):
     """
 
     camera = CAMERA
+    measure = "steering-and-brake"
 
     def __init__(
         self,

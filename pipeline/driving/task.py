@@ -12,7 +12,8 @@ from pipeline.data.schema import Feature
 from pipeline.driving.features import FEATURES, ROBOT_TYPE, check_action_repeat
 from pipeline.driving.metrics import METRICS
 from pipeline.metric import Metric
-from pipeline.task import Setting, Task
+from pipeline.settings import Setting
+from pipeline.task import Task
 
 if TYPE_CHECKING:
     from pipeline.environment import Environment
@@ -34,8 +35,8 @@ class Driving(Task):
 
     tracks: Annotated[
         str, Setting("Names of tracks, separated by commas; 'random:<seed>' is one too.")
-    ]
-    traffic: Annotated[int, Setting("Other cars on the track.", 0)]
+    ] = "alder,birch,cedar,hazel,larch,maple,rowan"
+    traffic: Annotated[int, Setting("Other cars on the track.", 0)] = 20
     offset_spread: Annotated[
         float, Setting("Standard deviation of the initial offset from the lane [m].", 0)
     ] = 0.0
@@ -44,11 +45,12 @@ class Driving(Task):
     ] = 0.0
     action_repeat: Annotated[
         int, Setting("Control steps (1/30 s) in a frame: an action is held for them.", 1)
-    ]
-    seconds: Annotated[float, Setting("Longest time of one drive [s].", 0)]
-    laps: Annotated[float, Setting("Most laps of one drive.", 0)] = np.inf
+    ] = 3
+    seconds: Annotated[float, Setting("Longest time of one drive [s].", above=0)] = 20.0
+    laps: Annotated[float, Setting("Most laps of one drive.", above=0, finite=False)] = np.inf
 
     def __post_init__(self) -> None:
+        super().__post_init__()
         # what knows tracks takes a while to import, and `--help` need not wait for it
         from pipeline.driving.tracks import make_track
         from pipeline.driving.traffic import check_room
@@ -56,13 +58,6 @@ class Driving(Task):
         for track in self.scenarios:
             check_room(make_track(track), self.traffic)
         check_action_repeat(self.action_repeat)
-        if not 0 < self.seconds < np.inf:
-            raise ValueError(f"seconds is {self.seconds}, expected a number above 0")
-        if not self.laps > 0:
-            raise ValueError(f"laps is {self.laps}, expected a number above 0")
-        for spread in (self.offset_spread, self.angle_spread):
-            if not 0 <= spread < np.inf:
-                raise ValueError(f"spread is {spread}, expected a number of at least 0")
 
     @property
     def fps(self) -> int:

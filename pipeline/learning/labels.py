@@ -4,7 +4,7 @@ In the shapes, N is the number of frames.
 """
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Literal, Self
 
@@ -27,7 +27,7 @@ class LabelRule:
     """of each number of an action; none: 1 for each"""
 
     @classmethod
-    def of(cls, config: dict[str, Any]) -> Self:
+    def of(cls, config: Mapping[str, Any]) -> Self:
         """The rule that a safety policy's configuration carries."""
         return cls(*(config[each] for each in ("measure", "horizon", "horizon_mode", "half_range")))
 

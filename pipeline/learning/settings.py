@@ -1,12 +1,20 @@
-"""What a training is told: how to optimise."""
+"""What a training is told. The defaults are those of params.yaml."""
 
-import math
 from dataclasses import dataclass
-from typing import Literal
+from typing import Annotated, Any, Literal
+
+from pipeline.registry import MEASURES
+from pipeline.settings import Setting, Settings
+
+LearningRate = Annotated[float, Setting("Above 0; for adamw the highest of the cycle.", above=0)]
+WeightDecay = Annotated[float, Setting("Weight decay.", 0)]
+Batch = Annotated[int, Setting("Examples in a step.", 1)]
+Samples = Annotated[int, Setting("Examples shown in all, whatever the size of the dataset.", 1)]
+"""Of both trainings, which differ in their defaults."""
 
 
 @dataclass(frozen=True, kw_only=True)
-class Optimisation:
+class Optimisation(Settings):
     """How a network is fitted. The same for the primary and the safety policy.
 
     `sgd` is the paper's: momentum, and after each epoch that did not improve the validation error
@@ -15,75 +23,72 @@ class Optimisation:
     within `samples`, and the last weights are kept.
 
     Raises:
-        ValueError: a field is out of the range stated beside it.
+        ValueError: a field is out of its range, or nothing is held out that `sgd` could follow.
     """
 
-    optimizer: Literal["sgd", "adamw"]
-    learning_rate: float
-    """> 0; the highest of the cycle for `adamw`."""
-    weight_decay: float
-    """>= 0."""
-    samples: int
-    """>= 1, examples shown in all: how long it may take, whatever the size of the dataset."""
-    batch: int = 64
-    """>= 1, examples in a step."""
-    validation: float = 0.1
-    """[0, 1), share of the episodes held out; `sgd` needs some."""
-    patience: int = 3
-    """>= 1, for `sgd` only: epochs in a row without improvement."""
-    seed: int = 0
-    """>= 0, of the initial weights, the order, the augmentation and the held-out episodes."""
-    threads: int = 2
-    """>= 1, processor threads."""
+    optimizer: Annotated[
+        Literal["sgd", "adamw"], Setting("sgd is the paper's, adamw one cycle of AdamW.")
+    ] = "adamw"
+    learning_rate: LearningRate = 0.002
+    weight_decay: WeightDecay = 0.001
+    batch: Batch = 32
+    samples: Samples = 20_000
+    validation: Annotated[
+        float,
+        Setting("Share of the episodes held out for the validation error, [0, 1).", 0, below=1),
+    ] = 0.0
+    patience: Annotated[int, Setting("For sgd: epochs without improvement before it stops.", 1)] = 3
+    seed: Annotated[int, Setting("Of every random choice: equal seeds give equal bytes.", 0)] = 0
+    threads: Annotated[
+        int, Setting("Processor threads. Another number may give other last bits.", 1)
+    ] = 2
     bfloat16: bool = True
     """Whether convolutions may be computed in bfloat16, on processors that can."""
 
     def __post_init__(self) -> None:
-        if self.optimizer not in ("sgd", "adamw"):
-            raise ValueError(f"optimizer is {self.optimizer!r}, expected 'sgd' or 'adamw'")
-        check("learning_rate", self.learning_rate, above=0)
-        check("weight_decay", self.weight_decay, at_least=0)
-        check("samples", self.samples, at_least=1)
-        check("batch", self.batch, at_least=1)
-        check("validation", self.validation, at_least=0, below=1)
-        check("patience", self.patience, at_least=1)
-        check("seed", self.seed, at_least=0)
-        check("threads", self.threads, at_least=1)
+        super().__post_init__()
         if self.optimizer == "sgd" and self.validation == 0:
             raise ValueError("validation is 0, expected more: 'sgd' follows the validation error")
 
 
 @dataclass(frozen=True, kw_only=True)
 class SafetySettings(Optimisation):
-    """The training of a safety policy.
+    """The training of a safety policy, and the labels that it learns.
 
     Raises:
-        ValueError: a field is out of the range stated beside it.
+        ValueError: as `Optimisation`.
     """
 
-    hidden: int
-    """>= 1, width of each of the two hidden layers."""
-    balance: float
-    """[0, 1], class weights: 0 counts every frame alike, 1 both classes alike."""
+    learning_rate: LearningRate = 0.0001
+    weight_decay: WeightDecay = 0.01
+    batch: Batch = 64
+    samples: Samples = 48_000
 
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        check("hidden", self.hidden, at_least=1)
-        check("balance", self.balance, at_least=0, at_most=1)
+    tau: Annotated[float, Setting("Threshold on the deviation: safe up to here.", 0)] = 0.0025
+    measure: Annotated[
+        str,
+        Setting(
+            f"What deviates: {', '.join(MEASURES)}, or module:function; else what suits the primary."
+        ),
+    ] = ""
+    horizon: Annotated[float, Setting("How far ahead to foresee a deviation [s].", 0)] = 0.0
+    horizon_mode: Annotated[
+        Literal["last", "max"],
+        Setting("The deviation at the end of the horizon, or the largest within."),
+    ] = "last"
+    cut: Annotated[
+        float, Setting("Unsafe is what has a lower probability of being safe.", 0, at_most=1)
+    ] = 0.5
+    balance: Annotated[
+        float, Setting("Class weights: 0 counts each frame alike, 1 each class.", 0, at_most=1)
+    ] = 1.0
+    held_out: Annotated[
+        float, Setting("Share of D_safe's episodes kept to measure with.", 0, at_most=1)
+    ] = 0.2
+    hidden: Annotated[int, Setting("Width of each of the two hidden layers.", 1)] = 128
 
-
-def check(
-    name: str,
-    value: float,
-    *,
-    at_least: float = -math.inf,
-    above: float = -math.inf,
-    at_most: float = math.inf,
-    below: float = math.inf,
-) -> None:
-    """Raise a one-line ValueError that names `name` unless `value` is finite and in the range."""
-    if math.isfinite(value) and at_least <= value <= at_most and above < value < below:
-        return
-    bounds = {"at least": at_least, "above": above, "at most": at_most, "below": below}
-    expected = " and ".join(f"{word} {b:g}" for word, b in bounds.items() if math.isfinite(b))
-    raise ValueError(f"{name} is {value}, expected a number {expected}")
+    @property
+    def kept(self) -> dict[str, Any]:
+        """What a safety policy's configuration says, by the same names."""
+        names = ("hidden", "tau", "cut", "measure", "horizon", "horizon_mode", "balance")
+        return {name: getattr(self, name) for name in names}

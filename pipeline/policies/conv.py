@@ -18,7 +18,7 @@ from pipeline.data.schema import Feature, pictures
 from pipeline.policies.lesson import Lesson
 from pipeline.policies.loading import Config, feature
 from pipeline.policies.network import ConvNetwork, initialise, linear
-from pipeline.task import Setting
+from pipeline.settings import Setting
 
 if TYPE_CHECKING:
     from lerobot.policies.pretrained import PreTrainedPolicy
@@ -120,12 +120,8 @@ class ConvLesson(Lesson):
     channels: Annotated[int, Setting("Of Conv1 to Conv4; Conv5 has twice as many.", 1)] = 16
     hidden: Annotated[int, Setting("Width of the layer before the action.", 1)] = 128
     jitter: Annotated[
-        float, Setting("How far brightness, contrast and colours are moved, [0, 1).", 0)
+        float, Setting("How far brightness, contrast and colours are moved, [0, 1).", 0, below=1)
     ] = 0.0
-
-    def __post_init__(self) -> None:
-        if not 0 <= self.jitter < 1:
-            raise ValueError(f"jitter is {self.jitter}, expected a number in [0, 1)")
 
     def learned(self, features: Mapping[str, Feature]) -> Mapping[str, Feature]:
         """The one camera, the state if there is one, and the action."""

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, ClassVar
 
 from pipeline.data.schema import Feature
 from pipeline.registry import LESSONS, find_subclass
+from pipeline.settings import Settings
 
 if TYPE_CHECKING:
     import torch
@@ -21,7 +22,7 @@ if TYPE_CHECKING:
     from pipeline.policies.network import ConvNetwork
 
 
-class Lesson(ABC):
+class Lesson(Settings, ABC):
     """A kind of primary with its settings. A subclass is a frozen dataclass, as a task is."""
 
     name: ClassVar[str]

@@ -4,6 +4,7 @@ Plain PyTorch. In the shapes, B is the number of images and c the channels of Co
 """
 
 from collections.abc import Mapping
+from typing import ClassVar
 
 import torch
 import torch.nn.functional as F
@@ -27,6 +28,9 @@ class Actor(nn.Module):
     """numbers that a safety policy reads of one frame"""
     chunk: int = 1
     """actions that it plans at a time, to be done one after the other, a frame each"""
+    measure: ClassVar[str] = "mean-square"
+    """how far its actions are from the reference's, unless its safety policy is told otherwise: a
+    name of `registry.MEASURES`"""
 
     @property
     def device(self) -> torch.device:

@@ -18,6 +18,7 @@ from torch import Tensor
 from pipeline.policies.loading import SAFETY_TYPE
 from pipeline.policies.network import SafetyNetwork
 from pipeline.policies.offline import OfflineConfig, OfflinePolicy, Processors, check_feature
+from pipeline.settings import Setting
 
 FEATURES = "observation.features"
 
@@ -67,9 +68,7 @@ class SafetyConfig(OfflineConfig):
     def __post_init__(self) -> None:
         super().__post_init__()
         for name, highest in (("tau", math.inf), ("cut", 1), ("horizon", math.inf), ("balance", 1)):
-            value = getattr(self, name)
-            if not (math.isfinite(value) and 0 <= value <= highest):
-                raise ValueError(f"{name} is {value}, expected a number from 0 to {highest:g}")
+            Setting(name, 0, at_most=highest).check(name, getattr(self, name))
         if self.input_features is None:
             self.input_features = {FEATURES: PolicyFeature(FeatureType.STATE, (self.features,))}
 

@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING, Annotated, ClassVar
 
 from pipeline.data.schema import Feature, core_features
 from pipeline.metric import DRIVEN, Metric
-from pipeline.task import Setting, Task
+from pipeline.settings import Setting
+from pipeline.task import Task
 
 if TYPE_CHECKING:
     from pipeline.environment import Environment
@@ -74,16 +75,17 @@ class MetaWorld(Task):
     steps: Annotated[int, Setting("Most frames (1/80 s) of a drive.", 1)] = 150
 
     def __post_init__(self) -> None:
+        super().__post_init__()
         known = _descriptions()
         for task in self.scenarios:
             if task not in known:
                 raise ValueError(
                     f"MetaWorld has no task {task!r}, expected one of {', '.join(known)}"
                 )
-        if self.perturb < 0 or self.steps < 1 or self.perturb + self.steps > LONGEST:
+        if self.perturb + self.steps > LONGEST:
             raise ValueError(
-                f"perturb is {self.perturb} and steps is {self.steps}, expected at least 0 and 1, "
-                f"and at most {LONGEST} together"
+                f"perturb is {self.perturb} and steps is {self.steps}, "
+                f"expected at most {LONGEST} together"
             )
 
     @property

@@ -12,7 +12,7 @@ from pipeline.policies.computing import computing
 
 def run(errors: list[float] | None = None, rows: int = 10, **fields):
     """Fit one weight to 1 and report what was shown, the rates and the weight after each epoch."""
-    given = {"learning_rate": 0.1, "weight_decay": 0.0, "batch": 4, **fields}
+    given = {"learning_rate": 0.1, "weight_decay": 0.0, "batch": 4, "validation": 0.1, **fields}
     optimisation = Optimisation(**given)
     network = torch.nn.Linear(1, 1, bias=False)
     torch.nn.init.zeros_(network.weight)

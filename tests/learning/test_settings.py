@@ -9,9 +9,9 @@ OPTIMISATION = {"optimizer": "adamw", "learning_rate": 1e-3, "weight_decay": 0.0
 
 def test_the_papers_training_can_be_asked_for():
     settings = Optimisation(
-        optimizer="sgd", learning_rate=0.001, weight_decay=0.001, samples=4_000_000
+        optimizer="sgd", learning_rate=0.001, batch=64, samples=4_000_000, validation=0.1
     )
-    assert settings.batch == 64
+    assert settings.patience == 3
 
 
 @pytest.mark.parametrize(
@@ -37,11 +37,27 @@ def test_a_field_out_of_range_is_named(field, value):
     assert "\n" not in str(caught.value)
 
 
-@pytest.mark.parametrize(("field", "value"), [("hidden", 0), ("balance", 1.1), ("balance", -0.1)])
+@pytest.mark.parametrize(
+    ("field", "value"),
+    [
+        ("hidden", 0),
+        ("balance", 1.1),
+        ("balance", -0.1),
+        ("tau", -1),
+        ("cut", float("nan")),
+        ("horizon", float("inf")),
+        ("held_out", 2),
+    ],
+)
 def test_so_are_those_of_the_safety_policy(field, value):
-    fields = OPTIMISATION | {"hidden": 8, "balance": 0.5} | {field: value}
+    fields = OPTIMISATION | {field: value}
     with pytest.raises(ValueError, match=f"^{field} is {value}, expected a number at"):
         SafetySettings(**fields)
+
+
+def test_a_word_that_there_is_not_is_refused():
+    with pytest.raises(ValueError, match=r"^horizon_mode is 'first', expected 'last' or 'max'$"):
+        SafetySettings(horizon_mode="first")
 
 
 def test_sgd_needs_frames_to_validate_on():

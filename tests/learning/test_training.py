@@ -165,6 +165,7 @@ def safety_settings(**fields) -> SafetySettings:
         "weight_decay": 0.01,
         "samples": 16_000,
         "hidden": 8,
+        "validation": 0.1,
         "balance": 0.0,
         "threads": 1,
     }

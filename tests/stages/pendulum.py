@@ -12,7 +12,8 @@ from gymnasium.spaces import Box, Dict
 
 from pipeline.data.schema import Feature, core_features
 from pipeline.environment import Action, Environment, Observation
-from pipeline.task import Setting, Task
+from pipeline.settings import Setting
+from pipeline.task import Task
 
 SIZE, FPS, FRAMES, GRAVITY = 32, 20, 12, 9.81
 
