@@ -71,7 +71,8 @@ ENVIRONMENT = {
 
 
 def commands(typed: Sequence[str]) -> typer.Typer:
-    """All commands; those with a seam take the settings of the task or policy that is `typed`.
+    """All commands; those with a seam take the settings of the task or policy that is `typed`. Where
+    one is typed, of the others there is nothing but the name: what they take need not be imported.
 
     Raises:
         ValueError: there is none of that name.
@@ -82,10 +83,15 @@ def commands(typed: Sequence[str]) -> typer.Typer:
         rich_markup_mode=None,
         help="SafeDAgger (Zhang & Cho 2016) on LeRobot datasets. Each command is one step of Algorithm 1.",
     )
-    for stage in STAGES:
-        for command in stage.app.registered_commands:
-            assert command.callback is not None
-            app.command()(options.chosen(command.callback, typed))
+    named = {
+        command.callback.__name__.replace("_", "-"): command.callback
+        for stage in STAGES
+        for command in stage.app.registered_commands
+        if command.callback is not None
+    }
+    one = typed[0] if typed and typed[0] in named else None
+    for name, command in named.items():
+        app.command(name)(options.chosen(command, typed) if one in (None, name) else lambda: None)
     return app
 
 

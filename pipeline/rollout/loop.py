@@ -4,16 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from pipeline.data.schema import Asked
 from pipeline.environment import Action, Environment, columns_of
-from pipeline.policies.inference import Driver
 from pipeline.rollout.asking import Reference
 from pipeline.rollout.rules.rule import Decision, Rule, Signals
+
+if TYPE_CHECKING:
+    from pipeline.policies.inference import Driver
 
 
 @dataclass(frozen=True)

@@ -6,15 +6,18 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from pipeline.environment import Environment
-from pipeline.policies.inference import Driver
 from pipeline.rollout.asking import Reference
 from pipeline.rollout.loop import Frame, drive
 from pipeline.rollout.rules.rule import Rule
 from pipeline.task import Task
+
+if TYPE_CHECKING:
+    from pipeline.policies.inference import Driver
 
 SEED_STREAMS = {
     "D_0": 0,

@@ -4,19 +4,21 @@ from __future__ import annotations
 
 from collections.abc import Generator, Iterable, Iterator
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from pipeline.data.schema import OWN, Asked, Episode
-from pipeline.policies.inference import Driver
 from pipeline.policies.measures import deviation, half_range
 from pipeline.rollout.loop import Frame
 from pipeline.rollout.plans import Plan, driven
 from pipeline.rollout.rules.rule import Rule
 from pipeline.rollout.workers import in_order
 from pipeline.task import Task
+
+if TYPE_CHECKING:
+    from pipeline.policies.inference import Driver
 
 BUDGET = "budget spent"
 """Why a drive ended that would have gone on: there was nothing left to ask or to drive."""
