@@ -17,6 +17,8 @@ type Counts = list[Annotated[int, Field(ge=1)]]
 
 FIRST = "0"
 """The step that all runs begin with."""
+BESIDE = ("tau", "scratch")
+"""What stands in the place of a run in the names of steps beside the loops."""
 NAIVE_AND_SAFE, SAFE = "naive,safe", "safe"
 
 
@@ -118,7 +120,8 @@ class Comparison(BaseModel):
     """All runs by their names, the first of which sets the safety policy of the supervised stage.
 
     Raises:
-        ValidationError: there is none, or a run is a variant of one that there is not.
+        ValidationError: there is none, one has a name of BESIDE or is a variant of one that there is
+            not, or several are trained from scratch.
     """
 
     model_config = ConfigDict(extra="forbid", frozen=True)
@@ -130,6 +133,8 @@ class Comparison(BaseModel):
     @model_validator(mode="after")
     def _relations(self) -> Self:
         for name, run in self.runs.items():
+            if name in BESIDE:
+                raise ValueError(f"{name}: names steps beside the runs, expected another name")
             if run.variant_of is not None and run.variant_of not in self.runs:
                 raise ValueError(f"{name}: there is no run {run.variant_of!r} to be a variant of")
         if sum(bool(run.from_scratch) for run in self.runs.values()) > 1:

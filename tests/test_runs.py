@@ -109,7 +109,7 @@ def test_what_does_not_fit_is_one_line(changes: dict[str, Any], problem: str) ->
     assert "\n" not in str(error.value)
 
 
-@pytest.mark.parametrize("runs", [{}, {"One": ONE}, {"one_1": ONE}])
+@pytest.mark.parametrize("runs", [{}, {"One": ONE}, {"one_1": ONE}, {"tau": ONE}])
 def test_names_are_words(runs: dict[str, Any]) -> None:
     with pytest.raises(ValueError, match=r"^runs"):
         loops(**runs)

@@ -12,10 +12,8 @@ import pandas as pd
 from pipeline.data.ledger import Ledger
 from pipeline.evaluation.drives import among, read_drives
 from pipeline.evaluation.metrics_file import MetricsFile, SafetyQuality
-from pipeline.runs import FIRST, Comparison, Run
+from pipeline.runs import BESIDE, FIRST, Comparison, Run
 
-BESIDE = ("tau", "scratch")
-"""What stands in the place of a run in the names of files beside the loops."""
 RUNS_FILE = "runs.json"
 """In the folder of a seed: what its runs were told, as `safedagger runs` writes it."""
 
