@@ -240,22 +240,22 @@ class Comparison(BaseModel):
 
 
 def read_params(path: Path) -> dict[str, Any]:
-    """What is in params.yaml, or a file like it.
+    """What is in params.yaml, or another file of names with values.
 
     Raises:
         FileNotFoundError: there is none.
         ValueError: it is no YAML.
     """
     if not path.is_file():
-        raise FileNotFoundError(f"{path}: no such file, expected parameters")
+        raise FileNotFoundError(f"{path}: no such file, expected YAML")
     try:
-        params = yaml.safe_load(path.read_text())
+        content = yaml.safe_load(path.read_text())
     except yaml.YAMLError as error:
         reason = " ".join(str(error).split())
         raise ValueError(f"{path}: {reason}, expected YAML") from None
-    if not isinstance(params, dict):
+    if not isinstance(content, dict):
         raise ValueError(f"{path}: expected names with values")
-    return params
+    return content
 
 
 def render(comparison: Comparison) -> str:

@@ -59,6 +59,9 @@ Params = Annotated[
     Path, typer.Option(help="What an experiment is told: runs, and the numbers of its stages.")
 ]
 Loops = Annotated[Path, typer.Option(help="The loops of dvc.yaml, as `plan` unrolls the runs.")]
+Pipeline = Annotated[
+    Path, typer.Option(help="What takes the parameters: only names in it are known.")
+]
 Seed = Annotated[
     int, typer.Option(min=0, help="Of every random choice: equal seeds give equal bytes.")
 ]

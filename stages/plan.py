@@ -5,18 +5,24 @@ from pathlib import Path
 import typer
 
 from stages import options
+from stages.parameters import read
 
 app = typer.Typer()
 
 
 @app.command()
 def plan(
-    params: options.Params = Path("params.yaml"), loops: options.Loops = Path("loops.yaml")
+    params: options.Params = Path("params.yaml"),
+    loops: options.Loops = Path("loops.yaml"),
+    pipeline: options.Pipeline = Path("dvc.yaml"),
 ) -> None:
-    """Write the pipeline's loops, from the runs."""
-    from pipeline.output import write_file
-    from pipeline.runs import Comparison, read_params, render
+    """Write the pipeline's loops, from the runs.
 
-    comparison = Comparison.of(read_params(params))
+    Once all names in the parameters are known.
+    """
+    from pipeline.output import write_file
+    from pipeline.runs import render
+
+    comparison = read(params, pipeline)
     write_file(loops, render(comparison).encode())
     typer.echo(f"{loops}: {', '.join(comparison.runs)}")

@@ -8,6 +8,7 @@ import pytest
 from pipeline.runs import Comparison, read_params
 from tests.command import run
 
+ROOT = Path(__file__).parent.parent
 LOOK = {"name": "One", "words": "One.", "colour": "black", "marker": "o", "driven_by": "naive"}
 ONE: dict[str, Any] = LOOK | {
     "strategy": "safedagger",
@@ -145,3 +146,43 @@ def test_a_line_more_is_a_run_more(tmp_path: Path) -> None:
     out.unlink()
     assert run("plan", "--params", params, "--loops", out) == 0
     assert set(read_params(out)["dagger"]) - set(before["dagger"]) == {"two_1"}
+
+
+@pytest.mark.parametrize(
+    ("change", "problem"),
+    [
+        (
+            ("  channels:", "  chanels:"),
+            "train-primary: chanels is no option of `safedagger train-primary`, expected one such "
+            "as channels",
+        ),
+        (
+            ("  offset-spread: 0.9", "  offset_spread: 0.9"),
+            "d-safe: offset_spread is no option of `safedagger collect`, expected one such as "
+            "offset-spread",
+        ),
+        (
+            ("train-primary:", "train-primery:"),
+            "train-primery: dvc.yaml has no ${train-primery}, expected one such as train-primary",
+        ),
+        (("\nworkers:", "\nworker:"), "worker: dvc.yaml has no ${worker}, expected one such as"),
+        (("\nseed:", "\nrollouts: 3\nseed:"), "rollouts: dvc.yaml has no ${rollouts}, expected"),
+        (
+            ("  channels:", "  policy: conv\n  channels:"),
+            "train-primary: mirror is no option of `safedagger train-primary`, expected one such as",
+        ),
+    ],
+)
+def test_a_mistyped_parameter_stops_it_before_anything_runs(
+    change: tuple[str, str], problem: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path, out = tmp_path / "params.yaml", tmp_path / "out"
+    path.write_text((ROOT / "params.yaml").read_text().replace(*change, 1))
+    for command in (
+        ("plan", "--loops", out),
+        ("runs", "--loops", ROOT / "loops.yaml", "--metrics", out),
+    ):
+        assert run(*command, "--params", path) == 2
+        (line,) = capsys.readouterr().err.splitlines()
+        assert line.startswith(f"safedagger: {path}: {problem}")
+        assert not out.exists()
