@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from rerun.blueprint import Blueprint
 
     from pipeline.inspection.rerun_sinks import Sink
+    from pipeline.learning.fitting import OnEpoch
 
 Dataset = Annotated[Path, typer.Argument(help="A LeRobot dataset of this project.")]
 Output = Annotated[Path, typer.Argument(help="Where to write. It must not exist.")]
@@ -54,6 +55,10 @@ Metrics = Annotated[
 MetricsIfAny = Annotated[
     Path | None,
     typer.Option(help="Where to write what was measured, too (JSON). It must not exist."),
+]
+Curve = Annotated[
+    Path | None,
+    typer.Option(help="Where to write the losses after each epoch, too (CSV). It must not exist."),
 ]
 Params = Annotated[
     Path, typer.Option(help="What an experiment is told: runs, and the numbers of its stages.")
@@ -176,6 +181,23 @@ def progress(what: str, total: float) -> Iterator[Callable[[float], None]]:
     with Progress(console=console, transient=True, disable=not console.is_terminal) as bars:
         bar = bars.add_task(what, total=total)
         yield lambda done: bars.update(bar, completed=done)
+
+
+@contextmanager
+def epochs(samples: int, curve: Path | None) -> Iterator["OnEpoch"]:
+    """What to tell after each epoch of a training: a bar shows how far it is, `curve` how good."""
+    from pipeline.evaluation.writing import write_curve
+
+    told: list[Mapping[str, float]] = []
+    with progress("training", samples) as advance_to:
+
+        def on_epoch(epoch: int, epochs: int, metrics: Mapping[str, float]) -> None:
+            told.append(metrics)
+            advance_to(metrics["samples"])
+            if curve:
+                write_curve(curve, told)
+
+        yield on_epoch
 
 
 def figures(metrics: Mapping[str, float | None]) -> str:

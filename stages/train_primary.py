@@ -24,6 +24,7 @@ def train_primary(
     initial: Annotated[
         Path | None, typer.Option(help="A primary policy to start from, else from scratch.")
     ] = None,
+    curve: options.Curve = None,
     device: options.Device = "cpu",
 ) -> None:
     """Train a primary to imitate the reference (lines 3, 9)."""
@@ -32,10 +33,11 @@ def train_primary(
     from pipeline.data.labels import check_labels
     from pipeline.data.lineage import Recipe
     from pipeline.learning.training import train_primary as train
-    from pipeline.output import new_directory
+    from pipeline.output import check_place, new_directory
     from pipeline.policies.computing import find_device
     from pipeline.policies.loading import load_primary, policy_lineage, weights_sha256
 
+    check_place(curve)
     computes = find_device(device)
     with new_directory(output) as folder:
         learned = Dataset.open(dataset)
@@ -43,7 +45,7 @@ def train_primary(
         learned.require(features)
         check_labels(learned)
         start = load_primary(initial).state_dict() if initial else None
-        with options.progress("training", settings.samples) as advance_to:
+        with options.epochs(settings.samples, curve) as on_epoch:
             network, measured = train(
                 policy,
                 features,
@@ -52,7 +54,7 @@ def train_primary(
                 settings,
                 initial=start,
                 device=computes,
-                on_epoch=lambda epoch, epochs, metrics: advance_to(metrics["samples"]),
+                on_epoch=on_epoch,
             )
         policy.policy(network).save_pretrained(folder)
         parents = [learned.lineage, *([policy_lineage(initial)] if initial else [])]

@@ -20,6 +20,7 @@ def train_safety(
     output: options.Output,
     settings: SafetySettings,
     metrics: options.MetricsIfAny = None,
+    curve: options.Curve = None,
     features_of: Annotated[
         str,
         typer.Option(help="Of a primary of LeRobot's: the module whose input it reads."),
@@ -50,7 +51,7 @@ def train_safety(
     from pipeline.policies.measures import half_range
     from pipeline.policies.safety import SafetyConfig, SafetyPolicy
 
-    check_place(metrics)
+    check_place(metrics, curve)
     computes = find_device(device)
     network = load_primary(primary, features_of, computes)
     settings = replace(settings, measure=settings.measure or network.measure)
@@ -73,14 +74,14 @@ def train_safety(
         if len(np.unique(safe)) == 1:
             kind = "safe" if safe[0] else "unsafe"
             typer.echo(f"all frames to learn from are {kind}: it will call any {kind}", err=True)
-        with options.progress("training", settings.samples) as advance_to:
+        with options.epochs(settings.samples, curve) as on_epoch:
             safety, _ = train(
                 shown.features,
                 safe,
                 shown.episode_index,
                 settings,
                 device=computes,
-                on_epoch=lambda epoch, epochs, now: advance_to(now["samples"]),
+                on_epoch=on_epoch,
             )
         SafetyPolicy(config, safety).save_pretrained(folder)
         parents = [policy_lineage(primary), safe_data.lineage, own_data.lineage]

@@ -2,7 +2,7 @@
 
 import json
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from numbers import Integral, Real
 from pathlib import Path
 from typing import Any
@@ -17,6 +17,15 @@ def write_metrics(path: Path, metrics: Mapping[str, Any]) -> None:
     """
     text = json.dumps(_strict(metrics), indent=2, sort_keys=True, allow_nan=False)
     write_file(path, (text + "\n").encode())
+
+
+def write_curve(path: Path, epochs: Sequence[Mapping[str, float]]) -> None:
+    """Write the metrics of a training's epochs, the same in each, as CSV for `dvc plots`: a row each.
+
+    Rounded as by `write_metrics`.
+    """
+    rows = [epochs[0].keys(), *(map(str, _strict(epoch).values()) for epoch in epochs)]
+    write_file(path, "".join(f"{','.join(row)}\n" for row in rows).encode())
 
 
 def _strict(value: Any) -> Any:

@@ -233,8 +233,11 @@ def test_training_is_refused_what_would_spoil_it(
 
     train = ("train-primary", "D_0", "one", *flat(PRIMARY), "--no-mirror")
     assert run(capsys, monkeypatch, *train)[0] == 0
-    other = ("train-primary", "D_0", "other", *flat(PRIMARY | {"--seed": "1"}), "--no-mirror")
+    other = (*train[:2], "other", *train[3:], "--seed", "1", "--curve", "curve.csv")
     assert run(capsys, monkeypatch, *other)[0] == 0
+    assert re.fullmatch(r"epoch,samples,loss\n1,4,[0-9.]+\n", Path("curve.csv").read_text())
+    code, error = run(capsys, monkeypatch, *train[:2], "third", *other[3:])
+    assert (code, error.split(",")[0]) == (2, "safedagger: curve.csv: exists already")
     code, error = run(
         capsys, monkeypatch, "train-primary", "rollout", "bad", *flat(PRIMARY), "--no-mirror"
     )

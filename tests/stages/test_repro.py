@@ -217,6 +217,18 @@ def test_pictures_are_drawn(house: Path) -> None:
     assert (house / "cards" / "film.gif").read_bytes().startswith(b"GIF89a")
 
 
+def test_the_curves_of_all_trainings_can_be_drawn(house: Path) -> None:
+    metrics = house / "cards" / "metrics" / "seed_0"
+    curves = {path.stem for path in metrics.glob("curve_*.csv")}
+    trained = {path.name for path in (house / "models").iterdir() if path.is_dir()}
+    assert {name.removeprefix("curve_") for name in curves} == trained
+    rows = (metrics / "curve_safety_0.csv").read_text().splitlines()
+    assert rows[0] == "epoch,samples,loss" and rows[-1].split(",")[1] == "256"
+    dvc(house, "plots", "show", "--out", str(house / "plots"))
+    page = (house / "plots" / "index.html").read_text()
+    assert all(f"{name}.csv" in page for name in curves) and '"field": "loss"' in page
+
+
 def test_tau_can_be_chosen_by_share(house: Path) -> None:
     errors = metric(house, "errors")
     assert errors["held_out"]["frames"] == 40
