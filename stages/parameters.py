@@ -52,7 +52,7 @@ def _expanded(
     """Each command with a group of parameters in it, the group, and the names of its options."""
     from stages.__main__ import commands
 
-    for stage in house["stages"].values():
+    for stage in house.get("stages", {}).values():
         told = stage.get("do", stage).get("cmd", "")
         program, command, *words = [*str(told).split(), "", ""]
         groups = [name for name in map(_name, words) if isinstance(given.get(name), dict)]

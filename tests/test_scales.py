@@ -10,6 +10,7 @@ import yaml
 from pipeline.driving.network import PrimaryNetwork
 from pipeline.runs import Comparison, read_params, render
 from stages import __main__ as cli
+from stages import parameters
 
 ROOT = Path(__file__).parent.parent
 FILES = ["params.yaml", "scales/experiment.yaml", "scales/paper.yaml"]
@@ -30,6 +31,11 @@ def test_every_scale_has_the_same_options(name: str) -> None:
             assert found[group].keys() == options.keys(), group
 
 
+@pytest.mark.parametrize("name", FILES)
+def test_every_name_in_a_scale_is_known(name: str) -> None:
+    assert parameters.read(ROOT / name, ROOT / "dvc.yaml").runs
+
+
 def test_what_is_not_typed_is_as_the_default_scale_has_it() -> None:
     params = read_params(ROOT / "params.yaml")
     shared = {"seed": params["seed"]}
@@ -48,6 +54,8 @@ def test_what_is_not_typed_is_as_the_default_scale_has_it() -> None:
     for command, expected in told.items():
         defaults = {each.opts[0].lstrip("-"): each.default for each in commands[command].params}
         assert {name: defaults[name] for name in expected} == expected, command
+        typed = [each.opts[0] for each in commands[command].params if each.required]
+        assert not [name for name in typed if name.startswith("-")], "paths are all that must be"
     assert PrimaryNetwork.measure == params["train-safety"]["measure"]
 
 

@@ -82,6 +82,8 @@ def test_the_list_of_commands_shows_each_with_a_whole_line(
         ({"--traffic": "9000"}, "9000"),
         ({"--seconds": "-3"}, "--seconds"),
         ({"--seconds": "nan"}, "seconds"),
+        ({"--seconds": "0"}, "seconds is 0.0, expected a number above 0"),
+        ({"--laps": "0"}, "laps is 0.0, expected a number above 0"),
         ({"--episodes": "0"}, "--episodes"),
         ({"--action-repeat": "7"}, "action_repeat"),
         ({"--purpose": "fun"}, "--purpose"),
@@ -306,7 +308,10 @@ def test_a_place_that_cannot_be_written_is_found_out_before_the_driving(
 def test_the_cut_of_a_rollout_is_its_safety_policys_own(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """It is said once, where the policy is trained; a rollout may be told another, and keeps it."""
+    """It is said once, where the policy is trained; a rollout may be told another, and keeps it.
+
+    What deviates is the primary's, if nobody says; and without a place for metrics, none is written.
+    """
     from pipeline.data.dataset import Dataset
 
     monkeypatch.chdir(tmp_path)
@@ -316,21 +321,25 @@ def test_the_cut_of_a_rollout_is_its_safety_policys_own(
         write(Path(name), episodes, name)
     train = ("train-primary", "D_0", "primary", *flat(PRIMARY), "--no-mirror")
     assert run(capsys, monkeypatch, *train)[0] == 0
-    safety = (*flat(SAFETY | {"--cut": "1"}), "--measure", "steering", "--metrics", "m")
+    safety = flat(SAFETY | {"--cut": "1"})
     train = ("train-safety", "primary", "D_safe", "D_0", "safety", *safety)
     assert run(capsys, monkeypatch, *train)[0] == 0
     budget = {"--queries": "99", "--frames": "10", "--iteration": "1"}
     for name, cut, drove in (("own", [], 10), ("told", ["--cut", "0"], 0)):
-        typed = flat(DRIVES | budget | {"--metrics": f"{name}.json"})
+        typed = flat(DRIVES | budget)
         rollout = ("rollout", "primary", "safety", name, *typed, *cut)
         assert run(capsys, monkeypatch, *rollout)[0] == 0
         driven = Dataset.open(Path(name))
         assert driven.lineage.own.arguments["cut"] == (1 if name == "own" else 0)
-        assert driven.lineage.own.arguments["labels"]["tau"] == 0.0025
+        labels = driven.lineage.own.arguments["labels"]
+        assert (labels["tau"], labels["measure"]) == (0.0025, "steering-and-brake")
+        trained = driven.lineage.parents[1].own.arguments
+        assert (trained["cut"], trained["measure"]) == (1, "steering-and-brake")
         assert [parent.own.purpose for parent in driven.lineage.parents] == ["primary", "safety"]
         assert int(driven.column("intervention").sum()) == drove
         assert run(capsys, monkeypatch, "select", name, f"new_{name}")[0] == 0
         assert len(Dataset.open(Path(f"new_{name}"))) == drove
+    assert not list(tmp_path.glob("*.json"))
 
 
 def test_the_settings_of_a_task_are_options_of_the_commands_that_drive(
