@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from pipeline.registry import LESSONS, TASKS
 from pipeline.settings import Setting, Settings, settings
 
 if TYPE_CHECKING:
@@ -120,11 +121,13 @@ def chosen(command: Callable[..., None], typed: Sequence[str]) -> Callable[..., 
 
 def _named(seam: str, name: str) -> tuple[Iterable[str], Any]:
     """What there is by name beyond a seam, and what has this one."""
-    from pipeline.policies.lesson import load_lesson
-    from pipeline.registry import LESSONS, TASKS
-    from pipeline.task import load_task
+    if seam == "Task":
+        from pipeline.task import load_task
 
-    return (TASKS, load_task(name)) if seam == "Task" else (LESSONS, load_lesson(name))
+        return TASKS, load_task(name)
+    from pipeline.policies.lesson import load_lesson
+
+    return LESSONS, load_lesson(name)
 
 
 def _after(option: str, typed: Sequence[str], default: str) -> str:
