@@ -4,12 +4,16 @@ In the shapes, A is the number of numbers in an action.
 """
 
 from abc import ABC, abstractmethod
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import gymnasium
 import numpy as np
+from gymnasium import Space
+from gymnasium.spaces import Box, Dict
 from numpy.typing import NDArray
+
+from pipeline.data.schema import Feature, core_features
 
 Action = NDArray[np.float32]
 """[A]"""
@@ -51,3 +55,41 @@ def columns_of(observation: Observation) -> dict[str, NDArray]:
     if "agent_pos" in observation:
         columns["observation.state"] = np.asarray(observation["agent_pos"], np.float32)
     return columns
+
+
+def features_of(
+    observation: Dict, action: Box, *, seen: Sequence[str] = (), does: Sequence[str]
+) -> dict[str, Feature]:
+    """The columns of what an environment shows, and the core columns, as LeRobot describes them.
+
+    Args:
+        observation: the space of an `Observation`.
+        action: the space of an `Action`; where it is bounded, its numbers are measured by that.
+        seen: what the numbers of "agent_pos" are, with units: "speed [m/s]".
+        does: what those of the action are.
+
+    Raises:
+        ValueError: as many names as numbers are expected.
+    """
+    pixels = observation.spaces.get("pixels", Dict())
+    cameras = pixels.spaces if isinstance(pixels, Dict) else {"": pixels}
+    features: dict[str, Feature] = {
+        f"observation.images.{camera}" if camera else "observation.image": {
+            "dtype": "image",
+            "shape": space.shape,
+            "names": ["height", "width", "channel"],
+        }
+        for camera, space in cameras.items()
+    }
+    if "agent_pos" in observation.spaces:
+        features["observation.state"] = _numbers("seen", observation["agent_pos"], seen)
+    done = dict(_numbers("does", action, does))
+    if action.is_bounded():
+        done |= {"low": action.low.tolist(), "high": action.high.tolist()}
+    return {**features, **core_features(done)}
+
+
+def _numbers(what: str, space: Space[Any], names: Sequence[str]) -> Feature:
+    if space.shape != (len(names),):
+        raise ValueError(f"{what} is {list(names)}, expected a name for each of {space.shape}")
+    return {"dtype": "float32", "shape": space.shape, "names": list(names)}

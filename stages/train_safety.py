@@ -23,7 +23,9 @@ def train_safety(
     curve: options.Curve = None,
     features_of: Annotated[
         str,
-        typer.Option(help="Of a primary of LeRobot's: the module whose input it reads."),
+        typer.Option(
+            help="Of a primary of LeRobot's: the module whose input it reads, or name:output."
+        ),
     ] = "",
     device: options.Device = "cpu",
 ) -> None:

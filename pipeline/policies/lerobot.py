@@ -30,12 +30,13 @@ FEATURES_OF = {"act": "model.action_head"}
 class LeRobotActor(Actor):
     """A policy, its processors, and the module from which a safety policy learns.
 
-    What a safety policy reads is that module's input for the first action, and the action itself.
+    What a safety policy reads is that module's input, or output, for the first action, and the action
+    itself.
 
     Args:
         policy: any that needs no history.
         processors: before and after it.
-        features_of: the name of one of its modules.
+        features_of: the name of one of its modules, whose input is read; "name:output" its output.
 
     Raises:
         ValueError: it has no such module.
@@ -46,7 +47,8 @@ class LeRobotActor(Actor):
     ) -> None:
         super().__init__()
         modules = dict(policy.named_modules())
-        if features_of not in modules:
+        name, _, end = features_of.partition(":")
+        if name not in modules or end not in ("", "output"):
             raise ValueError(
                 f"features_of is {features_of!r}, expected a module of {policy.name}, such as "
                 f"{', '.join(name for name in list(modules)[1:4])}"
@@ -93,7 +95,7 @@ class LeRobotActor(Actor):
         return cls(policy.eval(), processors, module)
 
     def look(self, seen: Mapping[str, Tensor]) -> Tensor:
-        """[B, F + A]: the input of the module for the first action, and that action."""
+        """[B, F + A]: what the module takes, or gives, for the first action, and that action."""
         return self.plan(seen, 1)[0]
 
     @torch.no_grad()
@@ -110,16 +112,26 @@ class LeRobotActor(Actor):
 
     @torch.no_grad()
     def _predict(self, seen: Mapping[str, Tensor]) -> tuple[Tensor, Tensor]:
-        """The module's input for the first action, [B, F], and the chunk, as the policy gives it."""
+        """What is read of the module for the first action, [B, F], and the chunk as the policy gives it."""
         images = pictures(self.seen)
         batch = {n: to_float(seen[n]) if n in images else seen[n].float() for n in self.seen}
         read: list[Tensor] = []
-        module: nn.Module = self.policy.get_submodule(self.features_of)
-        hook = module.register_forward_pre_hook(lambda _, given: read.append(given[0]))
+        name, _, end = self.features_of.partition(":")
+        module: nn.Module = self.policy.get_submodule(name)
+        hook = (
+            module.register_forward_hook(lambda _, given, found: read.append(found))
+            if end
+            else module.register_forward_pre_hook(lambda _, given: read.append(given[0]))
+        )
         try:
             chunk = self.policy.predict_action_chunk(self._before(batch))
         finally:
             hook.remove()
+        if not read or not isinstance(read[-1], Tensor):
+            kind = type(read[-1]).__name__ if read else "nothing"
+            raise ValueError(
+                f"features_of is {self.features_of!r}, where there is {kind}, expected a tensor"
+            )
         features = read[-1][:, 0] if read[-1].ndim == 3 else read[-1].flatten(1)
         return features.float(), chunk
 

@@ -4,20 +4,30 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Annotated, ClassVar
+from typing import Annotated, ClassVar
 
-from pipeline.data.schema import Feature, core_features
+import numpy as np
+from gymnasium.spaces import Box, Dict
+
+from pipeline.data.schema import Feature
+from pipeline.environment import Environment, features_of
 from pipeline.metric import DRIVEN, Metric
 from pipeline.settings import Setting
 from pipeline.task import Task
-
-if TYPE_CHECKING:
-    from pipeline.environment import Environment
 
 SIZE = 84
 """Of the picture [pixels]."""
 LONGEST = 500
 """Actions after which MetaWorld itself goes no further."""
+HAND = ("x", "y", "z", "gripper")
+"""Its place [m] and how far the gripper is open; of an action by how much it moves, and 1 closes it."""
+SEEN = Dict(
+    {
+        "pixels": Box(0, 255, (SIZE, SIZE, 3), np.uint8),
+        "agent_pos": Box(-1000, 1000, (4,), np.float32),
+    }
+)
+DONE = Box(-1, 1, (4,), np.float32)
 _OBJECT = ("x", "y", "z", "q1", "q2", "q3", "q4")
 
 
@@ -38,25 +48,7 @@ class MetaWorld(Task):
         **DRIVEN,
     }
     features: ClassVar[Mapping[str, Feature]] = {
-        "observation.image": {
-            "dtype": "image",
-            "shape": (SIZE, SIZE, 3),
-            "names": ["height", "width", "channel"],
-        },
-        "observation.state": {
-            "dtype": "float32",
-            "shape": (4,),
-            "names": ["x", "y", "z", "gripper"],
-        },
-        **core_features(
-            {
-                "dtype": "float32",
-                "shape": (4,),
-                "names": ["x", "y", "z", "gripper"],
-                "low": [-1.0] * 4,
-                "high": [1.0] * 4,
-            },
-        ),
+        **features_of(SEEN, DONE, seen=HAND, does=HAND),
         # two objects at most, 0 where there is none, and where to bring them
         "object_state": {
             "dtype": "float32",

@@ -8,12 +8,11 @@ from typing import Any
 
 import metaworld
 import numpy as np
-from gymnasium.spaces import Box, Dict
 from lerobot.envs.metaworld import MetaworldEnv
 from numpy.typing import NDArray
 
 from pipeline.environment import Action, Environment, Observation
-from pipeline.tasks.metaworld import SIZE
+from pipeline.tasks.metaworld import DONE, SEEN, SIZE
 
 
 class MetaWorldEnv(MetaworldEnv, Environment):
@@ -37,12 +36,7 @@ class MetaWorldEnv(MetaworldEnv, Environment):
         super().__init__(
             task, obs_type="pixels_agent_pos", observation_width=SIZE, observation_height=SIZE
         )
-        self.observation_space = Dict(
-            {
-                "pixels": Box(0, 255, (SIZE, SIZE, 3), np.uint8),
-                "agent_pos": Box(-1000, 1000, (4,), np.float32),
-            }
-        )
+        self.observation_space, self.action_space = SEEN, DONE
         self._perturb, self._most_frames = perturb, steps
         self._raw: NDArray[np.float64] = np.zeros(39)
         """MetaWorld's own observation: hand, gripper, objects; the same a step before; goal"""

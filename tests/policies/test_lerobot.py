@@ -214,8 +214,28 @@ def test_a_car_shows_it_no_state(act: Path) -> None:
         Driver.load(act).act({"observation.image": frame()["observation.image"]})
 
 
+def test_a_module_is_read_at_its_input_or_its_output(act: Path) -> None:
+    """What ACT's last layer takes, and what it gives, which is the action on its own scale."""
+    torch.manual_seed(1)
+    seen = {
+        "observation.image": torch.randint(0, 256, (2, 32, 32, 3), dtype=torch.uint8),
+        "observation.state": torch.randn(2, 3),
+    }
+    taken, given = (
+        load_primary(act, f"model.action_head{end}").look(seen) for end in ("", ":output")
+    )
+    assert taken.shape == (2, 32 + 1) and given.shape == (2, 1 + 1)
+    assert torch.equal(taken[:, -1], given[:, -1])
+    torch.testing.assert_close(given[:, 0] * STD + MEAN, given[:, 1], rtol=1e-4, atol=1e-4)
+
+
 @pytest.mark.parametrize(
-    ("features_of", "problem"), [("model.nothing", "features_of is 'model.nothing', expected a mo")]
+    ("features_of", "problem"),
+    [
+        ("model.nothing", "features_of is 'model.nothing', expected a mo"),
+        ("model.action_head:middle", "features_of is 'model.action_head:middle', expected a mo"),
+        ("model.backbone:output", "where there is .*, expected a tensor"),
+    ],
 )
 def test_a_module_that_it_has_not_is_named(act: Path, features_of: str, problem: str) -> None:
     with pytest.raises(ValueError, match=problem):

@@ -10,25 +10,26 @@ import cv2
 import numpy as np
 from gymnasium.spaces import Box, Dict
 
-from pipeline.data.schema import Feature, core_features
-from pipeline.environment import Action, Environment, Observation
+from pipeline.data.schema import Feature
+from pipeline.environment import Action, Environment, Observation, features_of
 from pipeline.settings import Setting
 from pipeline.task import Task
 
 SIZE, FPS, FRAMES, GRAVITY = 32, 20, 12, 9.81
+SEEN = Dict(
+    {
+        "pixels": Box(0, 255, (SIZE, SIZE, 3), np.uint8),
+        "agent_pos": Box(-np.inf, np.inf, (3,), np.float32),
+    }
+)
+DONE = Box(-1, 1, (1,), np.float32)
 
 
 class PendulumEnv(Environment):
     """The angle 0 is upright. The action is an acceleration, [-1, 1] times 30 rad/s^2."""
 
     def __init__(self, length: float, *, upright: bool) -> None:
-        self.observation_space = Dict(
-            {
-                "pixels": Box(0, 255, (SIZE, SIZE, 3), np.uint8),
-                "agent_pos": Box(-np.inf, np.inf, (3,), np.float32),
-            }
-        )
-        self.action_space = Box(-1, 1, (1,), np.float32)
+        self.observation_space, self.action_space = SEEN, DONE
         self._length, self._upright = length, upright
         self._angle = self._speed = 0.0
         self._frames = 0
@@ -76,19 +77,9 @@ class Pendulum(Task):
 
     name: ClassVar[str] = "tests.stages.pendulum:Pendulum"
     robot: ClassVar[str] = "pendulum"
-    features: ClassVar[Mapping[str, Feature]] = {
-        "observation.image": {
-            "dtype": "image",
-            "shape": (SIZE, SIZE, 3),
-            "names": ["height", "width", "channel"],
-        },
-        "observation.state": {
-            "dtype": "float32",
-            "shape": (3,),
-            "names": ["cosine", "sine", "speed"],
-        },
-        **core_features({"dtype": "float32", "shape": (1,), "names": ["acceleration"]}),
-    }
+    features: ClassVar[Mapping[str, Feature]] = features_of(
+        SEEN, DONE, seen=("cosine", "sine", "speed [rad/s]"), does=("acceleration [30 rad/s^2]",)
+    )
 
     length: Annotated[float, Setting("Of the pendulum [m].", 0)]
 
