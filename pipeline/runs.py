@@ -1,11 +1,10 @@
-"""What an experiment compares: its runs, a spec each, and the loops of dvc.yaml that come of them.
+"""What an experiment compares: its runs, a spec each.
 
 A run is one training strategy, iteration after iteration. All begin with the same supervised stage,
 iteration 0, whose step is called "0"; the others are <run>_<iteration>.
 """
 
-import json
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Annotated, Any, Literal, Self
 
@@ -19,7 +18,6 @@ FIRST = "0"
 """The step that all runs begin with."""
 BESIDE = ("tau", "scratch")
 """What stands in the place of a run in the names of steps beside the loops."""
-NAIVE_AND_SAFE, SAFE = "naive,safe", "safe"
 
 
 class Run(BaseModel):
@@ -157,87 +155,6 @@ class Comparison(BaseModel):
         """The runs whose loop needs a safety policy."""
         return [name for name, run in self.runs.items() if run.is_watched]
 
-    def loops(self) -> dict[str, Any]:
-        """The loops of dvc.yaml: of each, by step, what is told to its stages."""
-        steps = list(self._steps())
-        return {
-            "rollouts": {
-                step: {
-                    "iteration": i,
-                    "primary": before(name, i),
-                    "safety": self._safety(name, i - 1),
-                    "queries": run.queries[i - 1],
-                }
-                for step, name, run, i in steps
-                if run.strategy == "safedagger"
-            },
-            "dagger": {
-                step: {
-                    "iteration": i,
-                    "previous": before(name, i),
-                    "beta": run.beta,
-                    "frames": run.frames[i - 1],
-                    "sample": run.sample[i - 1],
-                }
-                for step, name, run, i in steps
-                if run.strategy == "dagger"
-            },
-            "supervised": {
-                step: {"iteration": i, "episodes": run.episodes[i - 1]}
-                for step, _, run, i in steps
-                if run.strategy == "supervised"
-            },
-            "steps": {
-                step: {"previous": before(name, i), "samples": run.shown(i)}
-                for step, name, run, i in steps
-            },
-            "from-scratch": {
-                scratch(i): {"data": step, "samples": run.shown(i)}
-                for step, _, run, i in steps
-                if i in run.from_scratch
-            },
-            "safeties": dict(self._safeties()),
-            "pictured": [f"{name}_1" for name in self.watched[:1]],
-            "ledgers": {
-                FIRST: {"driven": "D_0"},
-                "safe": {"driven": "D_safe"},
-                **{
-                    step: {
-                        "driven": f"{'new' if run.strategy == 'supervised' else 'rollout'}_{step}"
-                    }
-                    for step, _, run, _ in steps
-                },
-            },
-        }
-
-    def _steps(self) -> Iterator[tuple[str, str, Run, int]]:
-        """Every step of every loop: its name, its run's and that run, and its iteration."""
-        for name, run in self.runs.items():
-            for i in run.iterations:
-                yield f"{name}_{i}", name, run, i
-
-    def _safety(self, name: str, iteration: int) -> str:
-        """The safety policy after an iteration; all runs with the same labels share the first."""
-        first = next(iter(self.runs.values()))
-        shared = iteration == 0 and self.runs[name].labels(0) == first.labels(0)
-        return FIRST if shared else f"{name}_{iteration}"
-
-    def _safeties(self) -> Iterator[tuple[str, dict[str, Any]]]:
-        first = next(iter(self.runs.values()))
-        for name, run in self.runs.items():
-            for i in (0, *run.iterations):
-                safety, step = self._safety(name, i), before(name, i + 1)
-                if safety == FIRST and run is not first:
-                    continue  # the first run's, already
-                about = {"primary": step, "data": step, "labels": run.labels(i)}
-                yield safety, about | {"strategies": run.driven_by}
-            for i in run.from_scratch:
-                about = {"primary": scratch(i), "data": f"{name}_{i}", "labels": run.labels(i)}
-                yield scratch(i), about | {"strategies": NAIVE_AND_SAFE}
-        for tau in self.thresholds:
-            about = {"primary": FIRST, "data": FIRST, "labels": first.labels(0) | {"tau": tau}}
-            yield f"tau_{f'{tau:.12f}'[2:].rstrip('0')}", about | {"strategies": SAFE}
-
 
 def read_params(path: Path) -> dict[str, Any]:
     """What is in params.yaml, or another file of names with values.
@@ -256,25 +173,3 @@ def read_params(path: Path) -> dict[str, Any]:
     if not isinstance(content, dict):
         raise ValueError(f"{path}: expected names with values")
     return content
-
-
-def render(comparison: Comparison) -> str:
-    """The loops as YAML, a step a line."""
-    head = "# Written by `safedagger plan` from the runs in params.yaml: edit those.\n"
-    return head + "".join(
-        f"{loop}: {json.dumps(steps)}\n"
-        if isinstance(steps, list) or not steps
-        else f"{loop}:\n"
-        + "".join(f"  {json.dumps(k)}: {json.dumps(v)}\n" for k, v in steps.items())
-        for loop, steps in comparison.loops().items()
-    )
-
-
-def before(run: str, iteration: int) -> str:
-    """The step that an iteration of a run follows."""
-    return f"{run}_{iteration - 1}" if iteration > 1 else FIRST
-
-
-def scratch(iteration: int) -> str:
-    """The step of a primary without a warm start."""
-    return f"scratch_{iteration}"

@@ -20,12 +20,13 @@ def read(params: Path, pipeline: Path) -> "Comparison":
         ValueError: a run is not one; a key of a group is no option of the command that dvc.yaml
             expands the group in; any other name is one that dvc.yaml never uses.
     """
+    from pipeline.loops import loops
     from pipeline.runs import Comparison, read_params
 
     given, house = read_params(params), read_params(pipeline)
     comparison = Comparison.of(given)
     used = set(re.findall(r"\$\{([\w-]+)", str(house)))
-    known = {*used, "runs", "thresholds"} - {"item", "key"} - comparison.loops().keys()
+    known = {*used, "runs", "thresholds"} - {"item", "key"} - loops(comparison).keys()
     for name in given:
         if name not in known:
             raise ValueError(

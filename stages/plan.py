@@ -20,8 +20,8 @@ def plan(
 
     Once all names in the parameters are known.
     """
+    from pipeline.loops import render
     from pipeline.output import write_file
-    from pipeline.runs import render
 
     comparison = read(params, pipeline)
     write_file(loops, render(comparison).encode())

@@ -21,8 +21,8 @@ def runs(
 
     And see that the loops of the pipeline are theirs, and all names in the parameters known.
     """
+    from pipeline.loops import render
     from pipeline.output import check_place, write_file
-    from pipeline.runs import render
 
     check_place(metrics)
     comparison = read(params, pipeline)

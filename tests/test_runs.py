@@ -5,6 +5,7 @@ from typing import Any
 
 import pytest
 
+from pipeline.loops import loops as unrolled
 from pipeline.runs import Comparison, read_params
 from tests.command import run
 
@@ -26,7 +27,7 @@ DAGGER = LOOK | {
 
 
 def loops(**runs: dict[str, Any]) -> dict[str, Any]:
-    return Comparison.of({"runs": runs}).loops()
+    return unrolled(Comparison.of({"runs": runs}))
 
 
 def test_a_run_is_a_loop_that_begins_with_the_supervised_stage() -> None:
@@ -81,7 +82,7 @@ def test_dagger_and_supervised_learning_need_no_safety_policy_to_drive() -> None
 
 def test_what_stands_beside_the_loops() -> None:
     told = {"runs": {"one": ONE | {"from_scratch": [2]}}, "thresholds": [0.000625, 0.04]}
-    found = Comparison.of(told).loops()
+    found = unrolled(Comparison.of(told))
     assert found["from-scratch"] == {"scratch_2": {"data": "one_2", "samples": 500}}
     beside = {n: s for n, s in found["safeties"].items() if n.startswith(("tau", "scratch"))}
     assert list(beside) == ["scratch_2", "tau_000625", "tau_04"]

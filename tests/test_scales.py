@@ -8,7 +8,8 @@ import typer
 import yaml
 
 from pipeline.driving.network import PrimaryNetwork
-from pipeline.runs import Comparison, read_params, render
+from pipeline.loops import loops, render
+from pipeline.runs import Comparison, read_params
 from stages import __main__ as cli
 from stages import parameters
 
@@ -19,7 +20,7 @@ FILES = ["params.yaml", "scales/experiment.yaml", "scales/paper.yaml"]
 def read(name: str) -> dict[str, Any]:
     """What a file says, and the loops that its runs come to."""
     params = read_params(ROOT / name)
-    return params | Comparison.of(params).loops()
+    return params | loops(Comparison.of(params))
 
 
 @pytest.mark.parametrize("name", FILES)
@@ -63,7 +64,7 @@ def test_the_loops_are_those_of_the_runs() -> None:
     """Else: `safedagger plan`."""
     comparison = Comparison.of(read_params(ROOT / "params.yaml"))
     assert (ROOT / "loops.yaml").read_text() == render(comparison)
-    assert yaml.safe_load(render(comparison)) == comparison.loops()
+    assert yaml.safe_load(render(comparison)) == loops(comparison)
 
 
 @pytest.mark.parametrize("name", FILES)

@@ -1,0 +1,114 @@
+"""The loops of dvc.yaml, unrolled from the runs of a comparison: a step is "0" or <run>_<iteration>."""
+
+import json
+from collections.abc import Iterator
+from typing import Any
+
+from pipeline.runs import FIRST, Comparison, Run
+
+NAIVE_AND_SAFE, SAFE = "naive,safe", "safe"
+
+
+def loops(comparison: Comparison) -> dict[str, Any]:
+    """The loops of dvc.yaml: of each, by step, what is told to its stages."""
+    steps = list(_steps(comparison))
+    return {
+        "rollouts": {
+            step: {
+                "iteration": i,
+                "primary": before(name, i),
+                "safety": _safety(comparison, name, i - 1),
+                "queries": run.queries[i - 1],
+            }
+            for step, name, run, i in steps
+            if run.strategy == "safedagger"
+        },
+        "dagger": {
+            step: {
+                "iteration": i,
+                "previous": before(name, i),
+                "beta": run.beta,
+                "frames": run.frames[i - 1],
+                "sample": run.sample[i - 1],
+            }
+            for step, name, run, i in steps
+            if run.strategy == "dagger"
+        },
+        "supervised": {
+            step: {"iteration": i, "episodes": run.episodes[i - 1]}
+            for step, _, run, i in steps
+            if run.strategy == "supervised"
+        },
+        "steps": {
+            step: {"previous": before(name, i), "samples": run.shown(i)}
+            for step, name, run, i in steps
+        },
+        "from-scratch": {
+            scratch(i): {"data": step, "samples": run.shown(i)}
+            for step, _, run, i in steps
+            if i in run.from_scratch
+        },
+        "safeties": dict(_safeties(comparison)),
+        "pictured": [f"{name}_1" for name in comparison.watched[:1]],
+        "ledgers": {
+            FIRST: {"driven": "D_0"},
+            "safe": {"driven": "D_safe"},
+            **{
+                step: {"driven": f"{'new' if run.strategy == 'supervised' else 'rollout'}_{step}"}
+                for step, _, run, _ in steps
+            },
+        },
+    }
+
+
+def render(comparison: Comparison) -> str:
+    """The loops as YAML, a step a line."""
+    head = "# Written by `safedagger plan` from the runs in params.yaml: edit those.\n"
+    return head + "".join(
+        f"{loop}: {json.dumps(steps)}\n"
+        if isinstance(steps, list) or not steps
+        else f"{loop}:\n"
+        + "".join(f"  {json.dumps(k)}: {json.dumps(v)}\n" for k, v in steps.items())
+        for loop, steps in loops(comparison).items()
+    )
+
+
+def before(run: str, iteration: int) -> str:
+    """The step that an iteration of a run follows."""
+    return f"{run}_{iteration - 1}" if iteration > 1 else FIRST
+
+
+def scratch(iteration: int) -> str:
+    """The step of a primary without a warm start."""
+    return f"scratch_{iteration}"
+
+
+def _steps(comparison: Comparison) -> Iterator[tuple[str, str, Run, int]]:
+    """Every step of every loop: its name, its run's and that run, and its iteration."""
+    for name, run in comparison.runs.items():
+        for i in run.iterations:
+            yield f"{name}_{i}", name, run, i
+
+
+def _safety(comparison: Comparison, name: str, iteration: int) -> str:
+    """The safety policy after an iteration; all runs with the same labels share the first."""
+    first = next(iter(comparison.runs.values()))
+    shared = iteration == 0 and comparison.runs[name].labels(0) == first.labels(0)
+    return FIRST if shared else f"{name}_{iteration}"
+
+
+def _safeties(comparison: Comparison) -> Iterator[tuple[str, dict[str, Any]]]:
+    first = next(iter(comparison.runs.values()))
+    for name, run in comparison.runs.items():
+        for i in (0, *run.iterations):
+            safety, step = _safety(comparison, name, i), before(name, i + 1)
+            if safety == FIRST and run is not first:
+                continue  # the first run's, already
+            about = {"primary": step, "data": step, "labels": run.labels(i)}
+            yield safety, about | {"strategies": run.driven_by}
+        for i in run.from_scratch:
+            about = {"primary": scratch(i), "data": f"{name}_{i}", "labels": run.labels(i)}
+            yield scratch(i), about | {"strategies": NAIVE_AND_SAFE}
+    for tau in comparison.thresholds:
+        about = {"primary": FIRST, "data": FIRST, "labels": first.labels(0) | {"tau": tau}}
+        yield f"tau_{f'{tau:.12f}'[2:].rstrip('0')}", about | {"strategies": SAFE}
