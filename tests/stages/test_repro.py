@@ -56,12 +56,13 @@ TINY: dict[str, Any] = {
 # process.
 WATCH = """
 import os, sys
-def seen(event, told):
-    if event == "import" and told[0].startswith("pipeline."):
-        with open(os.environ["LOADED"], "a") as log:
-            log.write(os.environ["DVC_STAGE"] + " " + told[0] + "\\n")
+class Seen:
+    def find_spec(name, path=None, target=None):
+        if name.startswith("pipeline."):
+            with open(os.environ["LOADED"], "a") as log:
+                log.write(os.environ["DVC_STAGE"] + " " + name + "\\n")
 if "DVC_STAGE" in os.environ:
-    sys.addaudithook(seen)
+    sys.meta_path.insert(0, Seen)
 """
 
 
