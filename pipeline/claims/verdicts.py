@@ -139,7 +139,7 @@ def _of_ours(experiment: Experiment, ours: str) -> Iterator[Claim]:
     for rival in dagger:
         as_many = specs[rival].frames == specs[ours].queries
         words = (
-            f"queries to get as far, driven naively, than {_family(specs[rival])} that was given as many."
+            f"queries to get as far, driven naively, than {experiment.title(dagger[0])} that was given as many."
             if as_many
             else f"queries than {experiment.title(rival)} to get as far, driven naively."
         )
@@ -157,8 +157,3 @@ def _is_not_ahead(experiment: Experiment, run: str, other: str) -> Finding:
 def _rivals(specs: Mapping[str, Run], strategy: str) -> list[str]:
     """The runs of another strategy."""
     return [name for name, run in specs.items() if run.strategy == strategy]
-
-
-def _family(run: Run) -> str:
-    """A rival by its strategy, not by its budget."""
-    return run.name.partition(",")[0]

@@ -26,12 +26,11 @@ reference began to drive, and how often the driver changed, either way.
 NAMES = ("scenario", "condition", "strategy", "ended", "primary", "begun_with", "processor")
 """In which one of the task's conditions it was driven; by which strategy; why it was over; the
 SHA-256 of the weights of the primary that drove, and of the first that these were trained on from;
-and on which processor. What is not known is `UNKNOWN`.
+and on which processor. What is not known is "unknown".
 """
 DEVIATION = "deviation_sum"
 """Over `primary_frames`; NaN where the reference cannot be looked up."""
 COLUMNS = (*NAMES, *COUNTS, DEVIATION)
-UNKNOWN = "unknown"
 
 
 def table(rows: Iterable[Mapping[str, Any]]) -> pd.DataFrame:

@@ -33,14 +33,15 @@ def trials(task: Task, rules: Sequence[Rule], starts: int, *, seed: int) -> Iter
     Every policy meets the same starts.
     """
     conditions = task.conditions
-    varied = _varied(list(conditions.values()))
+    told = [asdict(there) for there in conditions.values()]
+    varied = [name for name in told[0] if _differs([each[name] for each in told])]
     for rule in rules:
-        for condition, there in conditions.items():
+        for (condition, there), settings in zip(conditions.items(), told, strict=True):
             for number, scenario in enumerate(there.scenarios):
                 for start in range(starts):
                     stream = SEED_STREAMS["evaluation"] + start
                     plan = Plan(there, scenario, rule, (seed, stream, number))
-                    yield Trial(plan, condition, {n: asdict(there)[n] for n in varied}, start)
+                    yield Trial(plan, condition, {n: settings[n] for n in varied}, start)
 
 
 def evaluate(trial: Trial, driver: Driver) -> dict[str, Any]:
@@ -71,10 +72,6 @@ def evaluate(trial: Trial, driver: Driver) -> dict[str, Any]:
     }
 
 
-def _varied(tasks: Sequence[Task]) -> list[str]:
-    """The settings, numbers, that are not the same in all."""
-    return [
-        name
-        for name, value in asdict(tasks[0]).items()
-        if isinstance(value, int | float) and len({asdict(task)[name] for task in tasks}) > 1
-    ]
+def _differs(values: Sequence[Any]) -> bool:
+    """Whether a setting is a number that is not the same in all conditions."""
+    return isinstance(values[0], int | float) and len(set(values)) > 1

@@ -26,12 +26,16 @@ def read_thresholds(metrics: Path) -> dict[float, Experiment]:
     files = (path.relative_to(metrics).as_posix() for path in metrics.glob("seed_*/drives_*.csv"))
     found = [named for file in sorted(files) if (named := _DRIVES.fullmatch(file))]
     varied = {named["seed"] for named in found if named["name"] != "0"}
+    watched = {
+        seed: set(read_drives(metrics / f"seed_{seed}" / f"drives_{FIRST}.csv").primary)
+        for seed in sorted(varied)
+    }
     steps: dict[float, dict[tuple[int, str, int], Step]] = defaultdict(dict)
     for named in found:
         if named["seed"] in varied:
             folder, name = metrics / f"seed_{named['seed']}", named["name"]
             step = read_step(folder, int(named["seed"]), RUN, 0, name)
-            if set(step.drives.primary) != set(read_drives(folder / f"drives_{FIRST}.csv").primary):
+            if set(step.drives.primary) != watched[named["seed"]]:
                 continue  # it watched another primary, of an earlier run
             if (step.seed, RUN, 0) in steps[step.tau]:
                 problem = f"tau is {step.tau:g} again, expected another"
