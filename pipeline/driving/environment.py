@@ -24,7 +24,7 @@ from pipeline.driving.features import (
 )
 from pipeline.driving.reference import reference_actions
 from pipeline.driving.tracks import make_track
-from pipeline.driving.traffic import check_room
+from pipeline.driving.traffic import Begins, check_room
 from pipeline.driving.world import World
 from pipeline.environment import Action, Environment, Observation
 
@@ -57,6 +57,7 @@ class DrivingEnv(Environment):
         track: str = "alder",
         traffic: int = 0,
         spread: tuple[float, float] = (0.3, 0.05),
+        begins: Begins = "anywhere",
         action_repeat: int = 1,
         laps: float = 3.0,
         seconds: float = 300.0,
@@ -64,7 +65,8 @@ class DrivingEnv(Environment):
     ) -> None:
         """A track by its name, with `traffic` other cars.
 
-        Our car starts off its lane by `spread` (standard deviations in m and rad).
+        Our car starts off its lane by `spread` (standard deviations in m and rad), anywhere or on
+        the start line.
 
         Raises:
             ValueError: unknown track, no room for so many cars, or a time or distance of 0.
@@ -79,7 +81,7 @@ class DrivingEnv(Environment):
         self.metadata = {**self.metadata, "render_fps": check_action_repeat(action_repeat)}
         self._track = make_track(track)
         check_room(self._track, traffic)
-        self._traffic, self._spread = traffic, spread
+        self._traffic, self._spread, self._begins = traffic, spread, begins
         self._action_repeat, self._laps = action_repeat, laps
         self._most_frames = int(seconds * CONTROL_HZ / action_repeat)
         self._frames = 0
@@ -106,7 +108,9 @@ class DrivingEnv(Environment):
         """Start a new drive at random. Equal seeds give equal drives, bit for bit."""
         super().reset(seed=seed)
         self.close()
-        self._world = World(self._track, self._traffic, self._spread, self.np_random)
+        self._world = World(
+            self._track, self._traffic, self._spread, self.np_random, begins=self._begins
+        )
         self._frames, self._standing, self._failed = 0, 0.0, False
         self._actions = reference_actions(self._world.cars, self._track)
         return self._observation(), self._info(None)

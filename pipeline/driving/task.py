@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Annotated, ClassVar
+from typing import TYPE_CHECKING, Annotated, ClassVar, Literal
 
 import numpy as np
 
@@ -43,6 +43,9 @@ class Driving(Task):
     angle_spread: Annotated[
         float, Setting("Standard deviation of the initial angle to the lane [rad].", 0)
     ] = 0.0
+    begins: Annotated[
+        Literal["anywhere", "line"], Setting("Where a drive begins: on the start line, or anywhere.")
+    ] = "anywhere"
     action_repeat: Annotated[
         int, Setting("Control steps (1/30 s) in a frame: an action is held for them.", 1)
     ] = 3
@@ -86,6 +89,7 @@ class Driving(Task):
             track=scenario,
             traffic=self.traffic,
             spread=(self.offset_spread, self.angle_spread),
+            begins=self.begins,
             action_repeat=self.action_repeat,
             laps=self.laps,
             seconds=self.seconds,

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Literal
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -13,6 +15,10 @@ SPEED_LIMIT = 20.0  # [m/s], 45 mph: our car's
 TRAFFIC_SPEEDS = (10.0, 16.0)  # [m/s] low and high limit of the traffic cars
 SLOT = 16.0  # [m] of lane that a car needs at the start
 LANE_MARGIN = 0.4  # [m] that a car may reach over a line before it counts as in the next lane too
+
+
+type Begins = Literal["anywhere", "line"]
+"""Where our car begins a drive."""
 
 
 def along_road(cars: Cars, track: Track) -> NDArray[np.float64]:
@@ -50,12 +56,17 @@ def check_room(track: Track, traffic: int) -> None:
 
 
 def start(
-    track: Track, traffic: int, spread: tuple[float, float], rng: np.random.Generator
+    track: Track,
+    traffic: int,
+    spread: tuple[float, float],
+    rng: np.random.Generator,
+    *,
+    begins: Begins = "anywhere",
 ) -> Cars:
     """Our car and `traffic` others at random, in lanes, none inside another.
 
     `spread` is the standard deviation of our own lateral offset [m] and angle [rad] (the paper's
-    S_0); the others start centred.
+    S_0); the others start centred. On the "line", where s is 0, only our lane is left to chance.
 
     Raises:
         ValueError: the track has no room for so many cars.
@@ -63,8 +74,13 @@ def start(
     check_room(track, traffic)
     along = int(track.length / SLOT)
     slots = rng.permutation(along * track.lanes)[: traffic + 1]
+    on_line = begins == "line"
+    if on_line:
+        ours = slots[0] % track.lanes  # the first slot of its lane, for which who has it gets ours
+        slots[slots == ours], slots[0] = slots[0], ours
     play = track.length / along - LENGTH - 2.0
     s = (slots // track.lanes) * track.length / along + rng.uniform(0, play, traffic + 1)
+    s[0] = 0.0 if on_line else s[0]
     d = track.lane_centres[slots % track.lanes].copy()
     angle = np.zeros(traffic + 1)
     offset, angle[0] = rng.normal(0, spread[0]), np.clip(rng.normal(0, spread[1]), -0.3, 0.3)

@@ -13,7 +13,7 @@ from pipeline.driving.affordances import affordances
 from pipeline.driving.cars import Cars, move
 from pipeline.driving.scene import Scene
 from pipeline.driving.tracks import Track
-from pipeline.driving.traffic import start
+from pipeline.driving.traffic import Begins, start
 
 RELEASE = 0.3  # [m/s] that a bumped car is left moving apart from ours
 TOUCH = 15  # control steps, half a second: contacts with a car no further apart are one touch
@@ -25,16 +25,22 @@ class World:
     """
 
     def __init__(
-        self, track: Track, traffic: int, spread: tuple[float, float], rng: np.random.Generator
+        self,
+        track: Track,
+        traffic: int,
+        spread: tuple[float, float],
+        rng: np.random.Generator,
+        *,
+        begins: Begins = "anywhere",
     ) -> None:
         """A drive with `traffic` other cars; our car starts off its lane by `spread` (standard
-        deviations in m and rad).
+        deviations in m and rad), anywhere or on the start line.
 
         Raises:
             ValueError: the track has no room for so many cars.
         """
         self.track = track
-        self.cars: Cars = start(track, traffic, spread, rng)
+        self.cars: Cars = start(track, traffic, spread, rng, begins=begins)
         self.scene = Scene(track, len(self.cars))
         self.scene.place(self.cars)
         self.damage = 0.0

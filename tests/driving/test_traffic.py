@@ -11,6 +11,7 @@ from pipeline.driving.traffic import (
     SENSOR_RANGE,
     SPEED_LIMIT,
     TRAFFIC_SPEEDS,
+    Begins,
     along_road,
     gap_ahead,
     reaches,
@@ -19,17 +20,35 @@ from pipeline.driving.traffic import (
 from tests.driving.scenes import cars_at, overlapping, track_names
 
 
-@given(track_names, st.integers(0, 2**32 - 1), st.integers(0, 40), st.floats(0, 5), st.floats(0, 1))
+@given(
+    track_names,
+    st.integers(0, 2**32 - 1),
+    st.integers(0, 40),
+    st.floats(0, 5),
+    st.floats(0, 1),
+    st.sampled_from(["anywhere", "line"]),
+)
 def test_no_car_starts_inside_another(
-    name: str, seed: int, traffic: int, offset: float, angle: float
+    name: str, seed: int, traffic: int, offset: float, angle: float, begins: Begins
 ) -> None:
     track = make_track(name)
-    cars = start(track, traffic, (offset, angle), np.random.default_rng(seed))
+    cars = start(track, traffic, (offset, angle), np.random.default_rng(seed), begins=begins)
     assert len(cars) == traffic + 1
     assert not overlapping(cars)
     assert np.all(np.abs(cars.d) <= track.half_width)
     assert np.all(cars.speed == cars.limit) and cars.limit[0] == SPEED_LIMIT
     assert np.all((cars.limit[1:] >= TRAFFIC_SPEEDS[0]) & (cars.limit[1:] <= TRAFFIC_SPEEDS[1]))
+
+
+@given(track_names, st.integers(0, 2**32 - 1), st.integers(0, 40))
+def test_on_the_start_line_is_our_car_and_no_other(name: str, seed: int, traffic: int) -> None:
+    track = make_track(name)
+    anywhere, line = (
+        start(track, traffic, (0.3, 0.05), np.random.default_rng(seed), begins=begins)
+        for begins in ("anywhere", "line")
+    )
+    assert line.s[0] == 0.0 and np.all(line.s[1:] % track.length > 0)
+    assert line.d[0] == anywhere.d[0]  # the same lane
 
 
 @given(track_names, st.integers(0, 2**32 - 1))
