@@ -34,7 +34,10 @@ class Driving(Task):
     metrics: ClassVar[Mapping[str, Metric]] = METRICS
 
     tracks: Annotated[
-        str, Setting("Names of tracks, separated by commas; 'random:<seed>' is one too.")
+        str,
+        Setting(
+            "Names of tracks, separated by commas; random:7 is one too, and random:7-9 are three."
+        ),
     ] = "alder,birch,cedar,hazel,larch,maple,rowan"
     traffic: Annotated[int, Setting("Other cars on the track.", 0)] = 20
     offset_spread: Annotated[
@@ -70,7 +73,7 @@ class Driving(Task):
     @property
     def scenarios(self) -> list[str]:
         """The tracks."""
-        return [track.strip() for track in self.tracks.split(",")]
+        return [name for track in self.tracks.split(",") for name in _each(track.strip())]
 
     @property
     def conditions(self) -> Mapping[str, Task]:
@@ -94,3 +97,12 @@ class Driving(Task):
             laps=self.laps,
             seconds=self.seconds,
         )
+
+
+def _each(track: str) -> list[str]:
+    """The tracks from the first to the last number of "random:7-9"; of others, the track itself."""
+    family, _, numbers = track.partition(":")
+    first, _, last = numbers.partition("-")
+    if not (first.isdecimal() and last.isdecimal()):
+        return [track]
+    return [f"{family}:{number}" for number in range(int(first), int(last) + 1)] or [track]

@@ -1,0 +1,14 @@
+import pytest
+
+from pipeline.driving.task import Driving
+
+
+def test_a_range_of_random_tracks_is_one_track_after_the_other() -> None:
+    tracks = Driving(tracks="alder, random:7-9,random:3").scenarios
+    assert tracks == ["alder", "random:7", "random:8", "random:9", "random:3"]
+
+
+@pytest.mark.parametrize("tracks", ["random:9-7", "oak-3", "random:1-", "random:-1"])
+def test_what_is_no_range_is_no_track_either(tracks: str) -> None:
+    with pytest.raises(ValueError, match=f"^track '{tracks}': expected one of alder, .*random"):
+        Driving(tracks=tracks)
