@@ -12,6 +12,7 @@ NAIVE_AND_SAFE, SAFE = "naive,safe", "safe"
 def loops(comparison: Comparison) -> dict[str, Any]:
     """The loops of dvc.yaml: of each, by step, what is told to its stages."""
     steps = list(_steps(comparison))
+    safeties = dict(_safeties(comparison))
     return {
         "rollouts": {
             step: {
@@ -19,6 +20,7 @@ def loops(comparison: Comparison) -> dict[str, Any]:
                 "primary": before(name, i),
                 "safety": _safety(comparison, name, i - 1),
                 "queries": run.queries[i - 1],
+                "protocol": comparison.protocols[run.protocol],
             }
             for step, name, run, i in steps
             if run.strategy == "safedagger"
@@ -30,17 +32,29 @@ def loops(comparison: Comparison) -> dict[str, Any]:
                 "beta": run.beta,
                 "frames": run.frames[i - 1],
                 "sample": run.sample[i - 1],
+                "protocol": comparison.protocols[run.protocol],
             }
             for step, name, run, i in steps
             if run.strategy == "dagger"
         },
         "supervised": {
-            step: {"iteration": i, "episodes": run.episodes[i - 1]}
+            step: {
+                "iteration": i,
+                "episodes": run.episodes[i - 1],
+                "protocol": comparison.protocols[run.protocol],
+            }
             for step, _, run, i in steps
             if run.strategy == "supervised"
         },
+        "merges": {
+            step: {"previous": before(name, i)} for step, name, run, i in steps if run.collects
+        },
         "steps": {
-            step: {"previous": before(name, i), "samples": run.shown(i)}
+            step: {
+                "previous": before(name, i),
+                "data": _data(run, name, i),
+                "samples": run.shown(i),
+            }
             for step, name, run, i in steps
         },
         "from-scratch": {
@@ -48,7 +62,13 @@ def loops(comparison: Comparison) -> dict[str, Any]:
             for step, _, run, i in steps
             if i in run.from_scratch
         },
-        "safeties": dict(_safeties(comparison)),
+        "safeties": safeties,
+        "evaluated": {
+            step: {"primary": of["primary"], "strategies": of["strategies"]}
+            for step, of in safeties.items()
+            if of["strategies"]
+        },
+        "reliability": dict(_reliability(comparison)),
         "pictured": [f"{name}_1" for name in comparison.watched[:1]],
         "ledgers": {
             FIRST: {"driven": "D_0"},
@@ -56,6 +76,7 @@ def loops(comparison: Comparison) -> dict[str, Any]:
             **{
                 step: {"driven": f"{'new' if run.strategy == 'supervised' else 'rollout'}_{step}"}
                 for step, _, run, _ in steps
+                if run.collects
             },
         },
     }
@@ -90,6 +111,11 @@ def _steps(comparison: Comparison) -> Iterator[tuple[str, str, Run, int]]:
             yield f"{name}_{i}", name, run, i
 
 
+def _data(run: Run, name: str, iteration: int) -> str:
+    """The step of the data that is trained on."""
+    return f"{name}_{iteration}" if run.collects and iteration > 0 else FIRST
+
+
 def _safety(comparison: Comparison, name: str, iteration: int) -> str:
     """The safety policy after an iteration; all runs with the same labels share the first."""
     first = next(iter(comparison.runs.values()))
@@ -100,15 +126,30 @@ def _safety(comparison: Comparison, name: str, iteration: int) -> str:
 def _safeties(comparison: Comparison) -> Iterator[tuple[str, dict[str, Any]]]:
     first = next(iter(comparison.runs.values()))
     for name, run in comparison.runs.items():
+        drives_on = run.iterations if run.is_watched else ()
         for i in (0, *run.iterations):
-            safety, step = _safety(comparison, name, i), before(name, i + 1)
+            safety = _safety(comparison, name, i)
             if safety == FIRST and run is not first:
                 continue  # the first run's, already
-            about = {"primary": step, "data": step, "labels": run.labels(i)}
+            if not run.driven_by and i + 1 not in drives_on:
+                continue  # nobody asks it
+            about = {"primary": before(name, i + 1), "data": _data(run, name, i)}
+            about |= {"labels": run.labels(i)}
             yield safety, about | {"strategies": run.driven_by}
         for i in run.from_scratch:
-            about = {"primary": scratch(i), "data": f"{name}_{i}", "labels": run.labels(i)}
+            about = {"primary": scratch(i), "data": _data(run, name, i), "labels": run.labels(i)}
             yield scratch(i), about | {"strategies": NAIVE_AND_SAFE}
     for tau in comparison.thresholds:
         about = {"primary": FIRST, "data": FIRST, "labels": first.labels(0) | {"tau": tau}}
         yield f"tau_{f'{tau:.12f}'[2:].rstrip('0')}", about | {"strategies": SAFE}
+
+
+def _reliability(comparison: Comparison) -> Iterator[tuple[str, dict[str, str]]]:
+    """Of each primary, the scenarios in which it is counted on."""
+    there = comparison.reliability
+    if there is None:
+        return
+    yield FIRST, {"scenarios": there.ends}
+    for step, _, run, i in _steps(comparison):
+        last = i == run.iterations[-1]
+        yield step, {"scenarios": there.ends if last else there.between}

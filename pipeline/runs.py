@@ -11,9 +11,19 @@ from typing import Annotated, Any, Literal, Self
 import yaml
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
 
+NAME = r"^[a-z]+[0-9]*(_[a-z]+[0-9]*)*$"
+"""Of a run: its steps are its name, an underscore and a number."""
+
 type Counts = list[Annotated[int, Field(ge=1)]]
 """Of each iteration, from the first."""
 
+BUDGETS = {
+    "supervised": ("episodes",),
+    "dagger": ("frames", "sample"),
+    "safedagger": ("queries",),
+    "training": ("samples",),
+}
+"""By strategy, what a run has to be told for each iteration."""
 FIRST = "0"
 """The step that all runs begin with."""
 BESIDE = ("tau", "scratch")
@@ -29,8 +39,9 @@ class Run(BaseModel):
 
     model_config = ConfigDict(extra="forbid", frozen=True)
 
-    strategy: Literal["supervised", "dagger", "safedagger"]
-    """how new data is collected: the reference alone; a mixture, all labelled; the safe strategy"""
+    strategy: Literal["supervised", "dagger", "safedagger", "training"]
+    """how new data is collected: the reference alone; a mixture, all labelled; the safe strategy; or
+    not at all, the training only goes on"""
     name: str
     """in the report"""
     words: str
@@ -51,6 +62,8 @@ class Run(BaseModel):
     """of dagger: probability that the reference drives a frame"""
     episodes: Counts = []
     """of supervised: how many drives"""
+    protocol: str = ""
+    """how its drives begin and end while it collects: one of the comparison's"""
 
     samples: Counts
     """shown in the training of each iteration's primary; one for all"""
@@ -59,24 +72,21 @@ class Run(BaseModel):
     horizon: Annotated[float, Field(ge=0)] = 0
     """how far ahead these look [s]"""
     horizon_mode: Literal["last", "max"] = "last"
-    driven_by: str
-    """driving strategies that its policies are evaluated by, separated by commas"""
+    driven_by: str = ""
+    """driving strategies that its policies are evaluated by, separated by commas; none: only
+    reliability is measured"""
     from_scratch: list[Annotated[int, Field(ge=1)]] = []
     """iterations whose primary is trained without a warm start, too"""
 
     @model_validator(mode="after")
     def _budgets(self) -> Self:
-        needed = {
-            "supervised": ("episodes",),
-            "dagger": ("frames", "sample"),
-            "safedagger": ("queries",),
-        }[self.strategy]
+        needed = BUDGETS[self.strategy]
         for name in ("queries", "frames", "sample", "episodes"):
             given = len(getattr(self, name))
             if (name in needed) != bool(given):
                 expected = "one for each iteration" if name in needed else "none"
                 raise ValueError(f"{name} of a {self.strategy} run: {given} given, {expected}")
-        many = len(getattr(self, needed[0]))
+        many = len(self.iterations)
         allowed = {"samples": (1, many), "tau": (1, many + 1)}
         for name, counts in {**allowed, **{name: (many,) for name in needed}}.items():
             given = len(getattr(self, name))
@@ -90,12 +100,16 @@ class Run(BaseModel):
     @property
     def iterations(self) -> range:
         """Of its loop, from 1."""
-        budget = self.queries or self.frames or self.episodes
-        return range(1, len(budget) + 1)
+        return range(1, len(getattr(self, BUDGETS[self.strategy][0])) + 1)
+
+    @property
+    def collects(self) -> bool:
+        """Whether there is anything new to train on."""
+        return self.strategy != "training"
 
     @property
     def is_watched(self) -> bool:
-        """Whether its loop needs a safety policy; others have theirs only to be measured."""
+        """Whether its loop needs a safety policy; others have theirs, if any, to be measured."""
         return self.strategy == "safedagger"
 
     @property
@@ -114,17 +128,35 @@ class Run(BaseModel):
         return {"tau": tau, "horizon": self.horizon, "horizon-mode": self.horizon_mode}
 
 
-class Comparison(BaseModel):
-    """All runs by their names, the first of which sets the safety policy of the supervised stage.
+class Reliability(BaseModel):
+    """The scenarios in which the naive primaries are counted on, a drive in each: options of a task.
 
-    Raises:
-        ValidationError: there is none, one has a name of BESIDE or is a variant of one that there is
-            not, or several are trained from scratch.
+    Nothing may be chosen by how they do there.
     """
 
     model_config = ConfigDict(extra="forbid", frozen=True)
 
-    runs: dict[Annotated[str, Field(pattern=r"^[a-z]+(_[a-z]+)*$")], Run] = Field(min_length=1)
+    ends: str
+    """of the supervised stage, and of each run's last iteration"""
+    between: str
+    """of the other iterations"""
+
+
+class Comparison(BaseModel):
+    """All runs by their names, the first of which sets the safety policy of the supervised stage.
+
+    Raises:
+        ValidationError: there is none, one has a name of BESIDE or is a variant, or of a protocol,
+            that there is not, or several are trained from scratch.
+    """
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+    runs: dict[Annotated[str, Field(pattern=NAME)], Run] = Field(min_length=1)
+    protocols: dict[str, dict[str, Any]] = {}
+    """how a drive that is recorded begins and ends: options of the task"""
+    reliability: Reliability | None = None
+    """None: it is not measured"""
     thresholds: list[Annotated[float, Field(gt=0, lt=1)]] = []
     """other tau that the supervised primary is watched with"""
 
@@ -135,14 +167,17 @@ class Comparison(BaseModel):
                 raise ValueError(f"{name}: names steps beside the runs, expected another name")
             if run.variant_of is not None and run.variant_of not in self.runs:
                 raise ValueError(f"{name}: there is no run {run.variant_of!r} to be a variant of")
+            if run.collects and run.protocol not in self.protocols:
+                known = ", ".join(self.protocols) or "some in protocols"
+                raise ValueError(f"{name}: protocol {run.protocol!r}, expected {known}")
         if sum(bool(run.from_scratch) for run in self.runs.values()) > 1:
             raise ValueError("from_scratch: given for several runs, expected one at most")
         return self
 
     @classmethod
     def of(cls, params: Mapping[str, Any]) -> Self:
-        """What `runs` and `thresholds` of params.yaml say; a ValueError of one line otherwise."""
-        given = {name: params[name] for name in ("runs", "thresholds") if name in params}
+        """What params.yaml says of it; a ValueError of one line otherwise."""
+        given = {name: params[name] for name in cls.model_fields if name in params}
         try:
             return cls.model_validate(given)
         except ValidationError as error:

@@ -11,6 +11,9 @@ import typer
 if TYPE_CHECKING:
     from pipeline.runs import Comparison
 
+PROTOCOL = "item.protocol"
+"""What a command says that collects by the protocol of a run."""
+
 
 def read(params: Path, pipeline: Path) -> "Comparison":
     """What params.yaml compares, once all of its names are known to the pipeline, a dvc.yaml.
@@ -26,19 +29,20 @@ def read(params: Path, pipeline: Path) -> "Comparison":
     given, house = read_params(params), read_params(pipeline)
     comparison = Comparison.of(given)
     used = set(re.findall(r"\$\{([\w-]+)", str(house)))
-    known = {*used, "runs", "thresholds"} - {"item", "key"} - loops(comparison).keys()
+    known = (used - {"item", "key"} - loops(comparison).keys()) | Comparison.model_fields.keys()
     for name in given:
         if name not in known:
             raise ValueError(
                 f"{params}: {name}: {pipeline} has no ${{{name}}}, {_near(name, known)}"
             )
-    for command, group, options in _expanded(house, given):
-        for key in given[group]:
-            if key not in options:
-                raise ValueError(
-                    f"{params}: {group}: {key} is no option of `safedagger {command}`, "
-                    f"{_near(key, options)}"
-                )
+    for command, groups, options in _expanded(house, given, comparison.protocols):
+        for group, keys in groups.items():
+            for key in keys:
+                if key not in options:
+                    raise ValueError(
+                        f"{params}: {group}: {key} is no option of `safedagger {command}`, "
+                        f"{_near(key, options)}"
+                    )
     return comparison
 
 
@@ -48,26 +52,28 @@ def _near(name: Any, known: Iterable[str]) -> str:
 
 
 def _expanded(
-    house: Mapping[str, Any], given: Mapping[str, Any]
-) -> Iterator[tuple[str, str, set[str]]]:
-    """Each command with a group of parameters in it, the group, and the names of its options."""
+    house: Mapping[str, Any], given: Mapping[str, Any], protocols: Mapping[str, dict[str, Any]]
+) -> Iterator[tuple[str, dict[str, dict[str, Any]], set[str]]]:
+    """Each command with groups of parameters in it, these, and the names of its options."""
     from stages.__main__ import commands
 
     for stage in house.get("stages", {}).values():
         told = stage.get("do", stage).get("cmd", "")
         program, command, *words = [*str(told).split(), "", ""]
-        groups = [name for name in map(_name, words) if isinstance(given.get(name), dict)]
+        names = list(map(_name, words))
+        groups = {name: given[name] for name in names if isinstance(given.get(name), dict)}
+        if PROTOCOL in names:
+            groups |= {f"protocols: {name}": protocol for name, protocol in protocols.items()}
         if program != "safedagger" or not groups:
             continue
         typed = [command, *words]
-        typed += [f"--{key}={value}" for name in groups for key, value in given[name].items()]
+        typed += [f"--{key}={value}" for group in groups.values() for key, value in group.items()]
         app = typer.main.get_command(commands(typed))
         parameters = app.commands[command].params  # type: ignore[attr-defined]
-        names = {option.lstrip("-") for each in parameters for option in each.opts}
-        yield from ((command, group, names) for group in groups)
+        yield command, groups, {option.lstrip("-") for each in parameters for option in each.opts}
 
 
 def _name(word: str) -> str:
     """Of ${name}, else nothing."""
-    found = re.fullmatch(r"\$\{([\w-]+)\}", word)
+    found = re.fullmatch(r"\$\{([\w.-]+)\}", word)
     return found[1] if found else ""
