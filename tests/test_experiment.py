@@ -48,9 +48,10 @@ stages:
       - cards/report.md:
           cache: false
 """
-RUNS = """runs:
+RUNS = """protocols: {long: {}}
+runs:
   mine: {strategy: dagger, frames: [9], sample: [9], samples: [9], tau: [0], driven_by: naive,
-    name: mine, words: mine, colour: black, marker: o}
+    protocol: long, name: mine, words: mine, colour: black, marker: o}
 """
 NEW = {"cards/errors/seed_1.png", "cards/frames/seed_1.png"}
 CHANGED = {"cards/metrics/seed_1/driving_0.json", "cards/report.md"}

@@ -11,14 +11,17 @@ from tests.command import run
 
 ROOT = Path(__file__).parent.parent
 LOOK = {"name": "One", "words": "One.", "colour": "black", "marker": "o", "driven_by": "naive"}
+LONG, SHORT = {"seconds": 20}, {"seconds": 4}
 ONE: dict[str, Any] = LOOK | {
     "strategy": "safedagger",
+    "protocol": "long",
     "queries": [30, 10],
     "samples": [500],
     "tau": [0.1],
 }
 DAGGER = LOOK | {
     "strategy": "dagger",
+    "protocol": "long",
     "frames": [90],
     "sample": [30],
     "samples": [500],
@@ -27,18 +30,20 @@ DAGGER = LOOK | {
 
 
 def loops(**runs: dict[str, Any]) -> dict[str, Any]:
-    return unrolled(Comparison.of({"runs": runs}))
+    return unrolled(Comparison.of({"runs": runs, "protocols": {"long": LONG, "short": SHORT}}))
 
 
 def test_a_run_is_a_loop_that_begins_with_the_supervised_stage() -> None:
     found = loops(one=ONE)
     assert found["rollouts"] == {
-        "one_1": {"iteration": 1, "primary": "0", "safety": "0", "queries": 30},
-        "one_2": {"iteration": 2, "primary": "one_1", "safety": "one_1", "queries": 10},
+        "one_1": {"iteration": 1, "primary": "0", "safety": "0", "queries": 30, "protocol": LONG},
+        "one_2": {"iteration": 2, "primary": "one_1", "safety": "one_1", "queries": 10}
+        | {"protocol": LONG},
     }
+    assert found["merges"] == {"one_1": {"previous": "0"}, "one_2": {"previous": "one_1"}}
     assert found["steps"] == {
-        "one_1": {"previous": "0", "samples": 500},
-        "one_2": {"previous": "one_1", "samples": 500},
+        "one_1": {"previous": "0", "data": "one_1", "samples": 500},
+        "one_2": {"previous": "one_1", "data": "one_2", "samples": 500},
     }
     labels = {"tau": 0.1, "horizon": 0, "horizon-mode": "last"}
     assert found["safeties"]["one_2"] == {
@@ -47,7 +52,7 @@ def test_a_run_is_a_loop_that_begins_with_the_supervised_stage() -> None:
         "labels": labels,
         "strategies": "naive",
     }
-    assert list(found["safeties"]) == ["0", "one_1", "one_2"]
+    assert list(found["safeties"]) == list(found["evaluated"]) == ["0", "one_1", "one_2"]
     assert found["ledgers"]["one_1"] == {"driven": "rollout_one_1"}
     assert found["pictured"] == ["one_1"]
 
@@ -67,6 +72,7 @@ def test_only_equal_labels_share_the_safety_policy_of_the_supervised_stage() -> 
 
 def test_dagger_and_supervised_learning_need_no_safety_policy_to_drive() -> None:
     supervised = LOOK | {"strategy": "supervised", "episodes": [4], "samples": [9], "tau": [0.1]}
+    supervised |= {"protocol": "short"}
     found = loops(one=DAGGER, two=supervised)
     assert found["dagger"]["one_1"] == {
         "iteration": 1,
@@ -74,14 +80,39 @@ def test_dagger_and_supervised_learning_need_no_safety_policy_to_drive() -> None
         "beta": 0,
         "frames": 90,
         "sample": 30,
+        "protocol": LONG,
     }
-    assert found["supervised"] == {"two_1": {"iteration": 1, "episodes": 4}}
+    assert found["supervised"] == {"two_1": {"iteration": 1, "episodes": 4, "protocol": SHORT}}
     assert found["ledgers"]["two_1"] == {"driven": "new_two_1"}
     assert (found["rollouts"], found["pictured"]) == ({}, [])
 
 
+def test_training_alone_collects_nothing_and_goes_on_with_what_there_is() -> None:
+    more = LOOK | {"strategy": "training", "samples": [500, 700], "tau": [0.1], "driven_by": ""}
+    found = loops(one=ONE, more=more)
+    assert found["steps"]["more_2"] == {"previous": "more_1", "data": "0", "samples": 700}
+    for loop in ("merges", "ledgers", "safeties", "evaluated"):
+        assert not [step for step in found[loop] if step.startswith("more")], loop
+
+
+def test_a_safety_policy_that_nobody_asks_is_not_trained() -> None:
+    """Of a run that is not evaluated, only those that a rollout needs."""
+    found = loops(one=ONE | {"driven_by": ""}, two=DAGGER | {"driven_by": ""})
+    assert list(found["safeties"]) == ["0", "one_1"]
+    assert found["evaluated"] == {}
+
+
+def test_each_primary_is_counted_on_in_the_end_where_it_matters_and_between_in_fewer() -> None:
+    told = {"runs": {"one": ONE}, "protocols": {"long": LONG}}
+    assert unrolled(Comparison.of(told))["reliability"] == {}
+    found = unrolled(Comparison.of(told | {"reliability": {"ends": "a,b", "between": "a"}}))
+    scenarios = {step: told["scenarios"] for step, told in found["reliability"].items()}
+    assert scenarios == {"0": "a,b", "one_1": "a", "one_2": "a,b"}
+
+
 def test_what_stands_beside_the_loops() -> None:
     told = {"runs": {"one": ONE | {"from_scratch": [2]}}, "thresholds": [0.000625, 0.04]}
+    told |= {"protocols": {"long": LONG}}
     found = unrolled(Comparison.of(told))
     assert found["from-scratch"] == {"scratch_2": {"data": "one_2", "samples": 500}}
     beside = {n: s for n, s in found["safeties"].items() if n.startswith(("tau", "scratch"))}
@@ -94,7 +125,7 @@ def test_what_stands_beside_the_loops() -> None:
     ("changes", "problem"),
     [
         ({"querys": [1]}, "runs.one.querys: Extra inputs are not permitted"),
-        ({"strategy": "active"}, "runs.one.strategy: Input should be 'supervised', 'dagger' or"),
+        ({"strategy": "active"}, "runs.one.strategy: Input should be 'supervised', 'dagger', '"),
         ({"queries": [0]}, "runs.one.queries.0: Input should be greater than or equal to 1"),
         ({"queries": []}, "runs.one: queries of a safedagger run: 0 given, one for each iteration"),
         ({"frames": [9]}, "runs.one: frames of a safedagger run: 1 given, none"),
@@ -102,6 +133,7 @@ def test_what_stands_beside_the_loops() -> None:
         ({"tau": [0.1, 0.2]}, "runs.one: tau: 2 given, expected 1 or 3"),
         ({"from_scratch": [3]}, "runs.one: from_scratch: 3, expected 2 at most"),
         ({"variant_of": "two"}, "runs: one: there is no run 'two' to be a variant of"),
+        ({"protocol": "slow"}, "runs: one: protocol 'slow', expected long, short"),
     ],
 )
 def test_what_does_not_fit_is_one_line(changes: dict[str, Any], problem: str) -> None:
@@ -135,10 +167,10 @@ def test_what_is_no_file_of_parameters_is_named(
 
 def test_a_line_more_is_a_run_more(tmp_path: Path) -> None:
     params, out = tmp_path / "params.yaml", tmp_path / "loops.yaml"
-    text = "runs:\n  one: {}\n"
+    text = "protocols: {{long: {{}}}}\nruns:\n  one: {}\n"
     line = (
         "{strategy: dagger, frames: [9], sample: [9], samples: [9], tau: [0], driven_by: naive, "
-        "name: a, words: a., colour: black, marker: o}"
+        "name: a, words: a., colour: black, marker: o, protocol: long}"
     )
     params.write_text(text.format(line))
     assert run("plan", "--params", params, "--loops", out) == 0
@@ -161,6 +193,11 @@ def test_a_line_more_is_a_run_more(tmp_path: Path) -> None:
             ("  offset-spread: 0.9", "  offset_spread: 0.9"),
             "d-safe: offset_spread is no option of `safedagger collect`, expected one such as "
             "offset-spread",
+        ),
+        (
+            ("  briefly: {begins", "  briefly: {begin"),
+            "protocols: briefly: begin is no option of `safedagger rollout`, expected one such as "
+            "begins",
         ),
         (
             ("train-primary:", "train-primery:"),

@@ -8,6 +8,7 @@ import typer
 import yaml
 
 from pipeline.driving.network import PrimaryNetwork
+from pipeline.driving.task import Driving
 from pipeline.loops import loops, render
 from pipeline.runs import Comparison, read_params
 from stages import __main__ as cli
@@ -44,11 +45,14 @@ def test_what_is_not_typed_is_as_the_default_scale_has_it() -> None:
     drive |= {"tracks": params["tracks"]["training"]}
     training = shared | {"threads": params["workers"]}
     run = params["runs"]["safedagger"]
+    protocol = params["protocols"][run["protocol"]]
     told = {
         "collect": drive | {"episodes": params["d-0"]["episodes"]},
         "train-primary": params["primary-0"] | params["train-primary"] | training,
         "train-safety": params["train-safety"] | {"tau": run["tau"][0], "measure": ""} | training,
-        "rollout": drive | {n: params["rollout"][n] for n in ("frames", "seconds")},
+        "rollout": drive
+        | {"frames": params["rollout"]["frames"]}
+        | {name: protocol[name] for name in ("begins", "seconds")},
     }
     told["rollout"] |= {"queries": run["queries"][0]}
     commands = typer.main.get_command(cli.commands([])).commands  # type: ignore[attr-defined]
@@ -75,7 +79,8 @@ def test_every_step_has_what_it_needs(name: str) -> None:
     sources = [*scale["rollouts"], *scale["dagger"], *scale["supervised"]]
     assert sorted(sources) == sorted(steps)
     assert {step["previous"] for step in steps.values()} <= primaries
-    assert primaries | set(scale["from-scratch"]) <= set(scale["safeties"])
+    assert set(scale["reliability"]) == primaries
+    assert primaries | set(scale["from-scratch"]) <= set(scale["evaluated"])
     data = {name: name for name in primaries}
     data |= {name: scratch["data"] for name, scratch in scale["from-scratch"].items()}
     for safety in scale["safeties"].values():
@@ -104,7 +109,7 @@ def test_iterations_follow_each_other(name: str) -> None:
 def test_the_comparison_is_the_default_run_with_more_strategies_beside_it() -> None:
     """So both make the same SafeDAgger."""
     default, comparison = (read_params(ROOT / name) for name in FILES[:2])
-    for group in default.keys() - {"runs", "thresholds"}:
+    for group in default.keys() - {"runs", "thresholds", "reliability"}:
         assert default[group] == comparison[group], group
     for name, run in default["runs"].items():
         assert run | {"from_scratch": [3]} == comparison["runs"][name]
@@ -119,7 +124,18 @@ def test_all_strategies_train_on_as_many_new_frames() -> None:
             assert rollout["queries"] == budgets[rollout["iteration"]]
         for rollout in scale["dagger"].values():
             assert rollout["sample"] == budgets[rollout["iteration"]]
-        frames = scale["collect-supervised"]["seconds"] * 30 / scale["drive"]["action-repeat"]
+        seconds = scale["protocols"][scale["runs"]["supervised"]["protocol"]]["seconds"]
+        frames = seconds * 30 / scale["drive"]["action-repeat"]
         for drives in scale["supervised"].values():
             wanted = budgets[drives["iteration"]]
             assert wanted <= drives["episodes"] * frames < wanted + frames
+
+
+@pytest.mark.parametrize("name", FILES)
+def test_no_track_that_is_measured_on_is_trained_on_or_chosen_by(name: str) -> None:
+    params = read_params(ROOT / name)
+    tracks = [set(Driving(tracks=each, traffic=0).scenarios) for each in params["tracks"].values()]
+    tracks.append(set(Driving(tracks=params["reliability"]["ends"], traffic=0).scenarios))
+    assert sum(map(len, tracks)) == len(set.union(*tracks))
+    between = Driving(tracks=params["reliability"]["between"], traffic=0).scenarios
+    assert set(between) <= tracks[-1]

@@ -47,7 +47,8 @@ class Driving(Task):
         float, Setting("Standard deviation of the initial angle to the lane [rad].", 0)
     ] = 0.0
     begins: Annotated[
-        Literal["anywhere", "line"], Setting("Where a drive begins: on the start line, or anywhere.")
+        Literal["anywhere", "line"],
+        Setting("Where a drive begins: on the start line, or anywhere."),
     ] = "anywhere"
     action_repeat: Annotated[
         int, Setting("Control steps (1/30 s) in a frame: an action is held for them.", 1)

@@ -11,6 +11,7 @@ from typing import Any
 import pytest
 import yaml
 
+from pipeline.evaluation.drives import read_drives
 from tests.command import run
 from tests.content import processor, run_hashes
 
@@ -19,6 +20,7 @@ HELD = HOUSE / "tests" / "held" / "tiny.json"
 OF_THE_REFERENCE = ("D_0", "D_safe", "D_held", "new_supervised_1")
 EACH = {
     "samples": [128],
+    "protocol": "anywhere",
     "tau": [0.0025],
     "driven_by": "naive,safe,optimal",
     "words": "One.",
@@ -29,10 +31,12 @@ RUNS: dict[str, dict[str, Any]] = {
     "safedagger": EACH
     | {"strategy": "safedagger", "name": "SafeDAgger", "queries": [12, 12], "from_scratch": [2]},
     "dagger": EACH | {"strategy": "dagger", "name": "DAgger", "frames": [30], "sample": [12]},
-    "supervised": EACH | {"strategy": "supervised", "name": "supervised", "episodes": [2]},
+    "supervised": EACH
+    | {"strategy": "supervised", "name": "supervised", "episodes": [2], "protocol": "briefly"},
     "ahead": EACH
     | {"strategy": "safedagger", "name": "Ahead", "variant_of": "safedagger", "queries": [12]}
     | {"horizon": 0.5, "horizon_mode": "max", "driven_by": "safe"},
+    "more": EACH | {"strategy": "training", "name": "more training", "driven_by": ""},
 }
 TINY: dict[str, Any] = {
     "runs": RUNS,
@@ -45,9 +49,13 @@ TINY: dict[str, Any] = {
     "primary-0": {"samples": 192},
     "train-primary": {"channels": 4},
     "train-safety": {"samples": 256, "hidden": 8, "cut": 1.0},
-    "rollout": {"frames": 60, "seconds": 2},
-    "rollout-dagger": {"seconds": 2},
-    "collect-supervised": {"seconds": 1},
+    "rollout": {"frames": 60},
+    "protocols": {
+        name: {"seconds": seconds, "offset-spread": 0.3, "angle-spread": 0.03}
+        for name, seconds in (("anywhere", 2), ("briefly", 1))
+    },
+    "reliability": {"ends": "random:1-2", "between": "random:1"},
+    "lap": {"traffic": 2, "laps": 0.05, "seconds": 2},
     "evaluate": {"traffic": 2, "laps": 0.05, "seconds": 2, "starts": 1},
 }
 
@@ -183,6 +191,26 @@ def test_all_strategies_are_evaluated(house: Path) -> None:
     of_all = {"task"}
     assert set(metric(house, "driving_dagger_1")) == of_all | {"naive", "safe", "optimal"}
     assert set(metric(house, "driving_ahead_0")) == of_all | {"safe"}
+
+
+def test_every_primary_is_counted_on_alone(house: Path) -> None:
+    """On more tracks at the end of a loop than between, in both conditions."""
+    metrics = house / "cards" / "metrics" / "seed_0"
+    drives = {path.stem: read_drives(path) for path in metrics.glob("reliability_*.csv")}
+    ends = ("0", "safedagger_2", "dagger_1", "supervised_1", "ahead_1", "more_1")
+    assert {name: len(table) for name, table in drives.items()} == {
+        "reliability_safedagger_1": 2,
+        **{f"reliability_{step}": 4 for step in ends},
+    }
+    assert all((table.strategy == "naive").all() for table in drives.values())
+
+
+def test_training_alone_goes_on_with_the_data_of_the_supervised_stage(house: Path) -> None:
+    more, first = (
+        json.loads((house / f"models/primary_{step}/safedagger.json").read_text())
+        for step in ("more_1", "0")
+    )
+    assert set(first["parents"]) < set(more["parents"])
 
 
 def test_a_primary_can_be_trained_from_scratch_on_the_same_data(house: Path) -> None:
