@@ -68,7 +68,7 @@ def loops(comparison: Comparison) -> dict[str, Any]:
             for step, of in safeties.items()
             if of["strategies"]
         },
-        "reliability": dict(_reliability(comparison)),
+        "relied-on": dict(_relied_on(comparison)),
         "pictured": [f"{name}_1" for name in comparison.watched[:1]],
         "ledgers": {
             FIRST: {"driven": "D_0"},
@@ -144,7 +144,7 @@ def _safeties(comparison: Comparison) -> Iterator[tuple[str, dict[str, Any]]]:
         yield f"tau_{f'{tau:.12f}'[2:].rstrip('0')}", about | {"strategies": SAFE}
 
 
-def _reliability(comparison: Comparison) -> Iterator[tuple[str, dict[str, str]]]:
+def _relied_on(comparison: Comparison) -> Iterator[tuple[str, dict[str, str]]]:
     """Of each primary, the scenarios in which it is counted on."""
     there = comparison.reliability
     if there is None:

@@ -104,9 +104,9 @@ def test_a_safety_policy_that_nobody_asks_is_not_trained() -> None:
 
 def test_each_primary_is_counted_on_in_the_end_where_it_matters_and_between_in_fewer() -> None:
     told = {"runs": {"one": ONE}, "protocols": {"long": LONG}}
-    assert unrolled(Comparison.of(told))["reliability"] == {}
+    assert unrolled(Comparison.of(told))["relied-on"] == {}
     found = unrolled(Comparison.of(told | {"reliability": {"ends": "a,b", "between": "a"}}))
-    scenarios = {step: told["scenarios"] for step, told in found["reliability"].items()}
+    scenarios = {step: told["scenarios"] for step, told in found["relied-on"].items()}
     assert scenarios == {"0": "a,b", "one_1": "a", "one_2": "a,b"}
 
 

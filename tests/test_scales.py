@@ -79,7 +79,7 @@ def test_every_step_has_what_it_needs(name: str) -> None:
     sources = [*scale["rollouts"], *scale["dagger"], *scale["supervised"]]
     assert sorted(sources) == sorted(steps)
     assert {step["previous"] for step in steps.values()} <= primaries
-    assert set(scale["reliability"]) == primaries
+    assert set(scale["relied-on"]) == primaries
     assert primaries | set(scale["from-scratch"]) <= set(scale["evaluated"])
     data = {name: name for name in primaries}
     data |= {name: scratch["data"] for name, scratch in scale["from-scratch"].items()}
