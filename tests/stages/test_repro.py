@@ -210,7 +210,7 @@ def test_training_alone_goes_on_with_the_data_of_the_supervised_stage(house: Pat
         json.loads((house / f"models/primary_{step}/safedagger.json").read_text())
         for step in ("more_1", "0")
     )
-    assert set(first["parents"]) < set(more["parents"])
+    assert set(more["made"][more["sha256"]]["parents"]) == set(first["made"])
 
 
 def test_a_primary_can_be_trained_from_scratch_on_the_same_data(house: Path) -> None:
