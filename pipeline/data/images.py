@@ -11,11 +11,11 @@ from pathlib import Path
 
 import cv2
 import numpy as np
-import pyarrow as pa
 from numpy.typing import NDArray
 
 from pipeline.data.dataset import Dataset
 from pipeline.data.schema import Episode
+from pipeline.data.stored import pngs
 
 Images = NDArray[np.uint8]
 
@@ -97,11 +97,6 @@ def read_pictures(
             png = pngs(table[camera])
             decoded = pool.map(partial(_decode, f"{dataset.path}: {camera}", shape), png)
             yield np.stack(list(decoded))
-
-
-def pngs(column: pa.ChunkedArray) -> list[bytes]:
-    """The files in a column of images."""
-    return [png for chunk in column.chunks for png in chunk.field("bytes").to_pylist()]
 
 
 def _decode(where: str, shape: tuple[int, ...], png: bytes) -> Images:
