@@ -3,14 +3,17 @@
 In the shapes, N is the number of rows, and H, W, C are the camera's height, width and channels.
 """
 
+import math
 from bisect import bisect_right
 from collections.abc import Iterable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from functools import partial
 from pathlib import Path
+from typing import Any
 
 import cv2
 import numpy as np
+import pyarrow.parquet as pq
 from numpy.typing import NDArray
 
 from pipeline.data.dataset import Dataset
@@ -19,27 +22,81 @@ from pipeline.data.stored import pngs
 
 Images = NDArray[np.uint8]
 
+KEPT = 2 * 2**30
+"""[bytes] of decoded images that stay in memory: 60,000 of the car's."""
 
-def read_images(dataset: Dataset, camera: str) -> Images:
-    """All images of a camera, uint8 [N, H, W, C] (RGB), rows in order.
+
+class StoredImages:
+    """Stands for an array of images uint8 [N, H, W, C] (RGB) that may not fit into memory: it is
+    asked for rows as an array is, and decodes them then. The first, as many as fit into `KEPT`, are
+    decoded once.
 
     Raises:
-        ValueError: there is no such camera, or an image is none of its shape.
+        ValueError: when it is asked for an image that is none of its shape.
+    """
+
+    dtype = np.dtype(np.uint8)
+
+    def __init__(self, where: str, files: list[bytes], shape: tuple[int, ...]) -> None:
+        self.shape = (len(files), *shape)
+        self._rows = np.arange(len(files))
+        self._files, self._decode = files, partial(_decode, where, shape)
+        kept = min(len(files), KEPT // math.prod(shape))
+        self._kept = np.empty((kept, *shape), np.uint8)  # no memory until it is written to
+        self._is_decoded = np.zeros(kept, bool)
+        self._pool = ThreadPoolExecutor(2)  # OpenCV decodes outside the GIL
+
+    def __len__(self) -> int:
+        return len(self._files)
+
+    def __getitem__(self, rows: slice | NDArray[np.integer]) -> Images:
+        numbers = self._rows[rows]
+        stay = numbers < len(self._kept)
+        new = np.unique(numbers[stay])
+        new = new[~self._is_decoded[new]]
+        for row, image in zip(new, self._decoded(new), strict=True):
+            self._kept[row] = image
+            self._files[row] = b""
+        self._is_decoded[new] = True
+        if stay.all():
+            return self._kept[numbers]
+        images = np.empty((len(numbers), *self.shape[1:]), np.uint8)
+        images[stay] = self._kept[numbers[stay]]
+        for place, image in zip(np.flatnonzero(~stay), self._decoded(numbers[~stay]), strict=True):
+            images[place] = image
+        return images
+
+    def _decoded(self, rows: NDArray[np.integer]) -> Iterator[Images]:
+        return self._pool.map(self._decode, [self._files[row] for row in rows])
+
+
+def read_images(dataset: Dataset, camera: str) -> Images | StoredImages:
+    """All images of a camera, uint8 [N, H, W, C] (RGB), rows in order; those that are no videos are
+    decoded when they are asked for.
+
+    Raises:
+        ValueError: there is no such camera.
     """
     shape = _shape(dataset, camera)
-    images = np.empty((len(dataset), *shape), np.uint8)
-    for (start, stop), part in zip(
-        dataset.bounds, read_pictures(dataset, camera, dataset.bounds), strict=True
-    ):
-        images[start:stop] = part
-    return images
+    if dataset.features[camera]["dtype"] == "video":
+        images = np.empty((len(dataset), *shape), np.uint8)
+        parts = read_pictures(dataset, camera, dataset.bounds)
+        for (start, stop), part in zip(dataset.bounds, parts, strict=True):
+            images[start:stop] = part
+        return images
+    files = [
+        png
+        for file in dataset.data_files
+        for png in pngs(pq.ParquetFile(file).read([camera])[camera])
+    ]
+    return StoredImages(f"{dataset.path}: {camera}", files, shape)
 
 
-def read_all(dataset: Dataset, names: Iterable[str]) -> dict[str, NDArray]:
-    """All rows of some columns, pictures among them: [N, *shape] by name.
+def read_all(dataset: Dataset, names: Iterable[str]) -> dict[str, Any]:
+    """All rows of some columns, pictures among them: arrays [N, *shape] by name, or `StoredImages`.
 
     Raises:
-        ValueError: there is no such column, or an image is none of its shape.
+        ValueError: there is no such column.
     """
     names = list(names)
     numbers = dataset.columns(name for name in names if name not in dataset.cameras)
