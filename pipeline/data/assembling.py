@@ -12,7 +12,6 @@ from pathlib import Path
 from pipeline.data.blocks import Block, write_blocks
 from pipeline.data.content import ContentHash
 from pipeline.data.dataset import Dataset
-from pipeline.data.images import video_of
 from pipeline.data.lineage import Recipe
 from pipeline.data.pictures import known_statistics, pass_videos
 from pipeline.data.pieces import Piece, stored_rows
@@ -58,7 +57,7 @@ def assemble(
         placed={k: v for camera in videos for k, v in pass_videos(root, pieces, camera).items()},
     )
     for camera in videos:
-        places = [video_of(piece.dataset, camera, piece.episode) for piece in pieces]
+        places = [piece.dataset.video_of(camera, piece.episode) for piece in pieces]
         files = list(dict.fromkeys(file for file, _ in places))
         content.add_videos([begin for _, begin in places], files)
     content.lineage().write(root)

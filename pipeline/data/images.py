@@ -8,7 +8,6 @@ from bisect import bisect_right
 from collections.abc import Iterable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from functools import partial
-from pathlib import Path
 from typing import Any
 
 import cv2
@@ -18,7 +17,7 @@ from numpy.typing import NDArray
 
 from pipeline.data.dataset import Dataset
 from pipeline.data.schema import Episode
-from pipeline.data.stored import pngs
+from pipeline.data.stored import pngs, to_numpy
 
 Images = NDArray[np.uint8]
 
@@ -115,7 +114,8 @@ def read_some_images(dataset: Dataset, camera: str, rows: Sequence[int]) -> list
 def read_episodes(
     dataset: Dataset, only: Iterable[int] | None = None
 ) -> Iterator[tuple[int, Episode]]:
-    """The episodes with their numbers, or `only` some, in order; one at a time is in memory.
+    """The episodes with their numbers, or `only` some, in order; one at a time is in memory, and no
+    others are read.
 
     Core columns that the dataset lacks are derived, as `Dataset.columns` does.
 
@@ -123,15 +123,19 @@ def read_episodes(
         ValueError: as `read_images`.
     """
     chosen = range(len(dataset.lengths)) if only is None else sorted(only)
-    features = dataset.with_core
-    cameras = [name for name in features if name in dataset.cameras]
-    columns = dataset.columns([name for name in features if name not in cameras])
     bounds = [dataset.bounds[episode] for episode in chosen]
+    features = dataset.with_core
+    cameras = dataset.cameras
+    numbers = [name for name in features if name not in cameras]
+    stored = [name for name in numbers if dataset.has(name)]
+    derived = dataset.columns([name for name in numbers if not dataset.has(name)])
     streams = [read_pictures(dataset, camera, bounds) for camera in cameras]
-    for episode, (start, stop), *pictures in zip(chosen, bounds, *streams, strict=True):
-        rows = {name: values[start:stop] for name, values in columns.items()}
-        seen = dict(zip(cameras, pictures, strict=True))
-        yield episode, Episode(dataset.tasks[episode], rows | seen, features)
+    tables = dataset.tables(bounds, stored)
+    for episode, (start, stop), table, *seen in zip(chosen, bounds, tables, *streams, strict=True):
+        columns = {name: to_numpy(table[name], features[name]) for name in stored}
+        columns |= {name: values[start:stop] for name, values in derived.items()}
+        columns |= dict(zip(cameras, seen, strict=True))
+        yield episode, Episode(dataset.tasks[episode], columns, features)
 
 
 def _shape(dataset: Dataset, camera: str) -> tuple[int, ...]:
@@ -171,15 +175,7 @@ def _from_videos(
     starts = [start for start, _ in dataset.bounds]
     for start, stop in rows:
         episode = bisect_right(starts, start) - 1
-        file, begin = video_of(dataset, camera, episode)
+        file, begin = dataset.video_of(camera, episode)
         times = begin + (np.arange(start, stop) - starts[episode]) / dataset.fps
         frames = decode_video_frames(file, times.tolist(), 1e-4, "pyav", return_uint8=True)
         yield frames.permute(0, 2, 3, 1).numpy()
-
-
-def video_of(dataset: Dataset, camera: str, episode: int) -> tuple[Path, float]:
-    """The file that an episode is in, and when it begins there [s]."""
-    chunk, number, begin = dataset.videos(camera)[episode]
-    template = str(dataset.info["video_path"])
-    named = template.format(video_key=camera, chunk_index=chunk, file_index=number)
-    return dataset.path / named, begin

@@ -12,7 +12,6 @@ from numpy.typing import NDArray
 
 from pipeline.data import layout
 from pipeline.data.dataset import Dataset
-from pipeline.data.images import video_of
 from pipeline.data.pieces import Piece
 from pipeline.data.statistics import NAMES, Statistics, joined
 from pipeline.data.stored import flat
@@ -56,7 +55,7 @@ def pass_videos(root: Path, pieces: Sequence[Piece], camera: str) -> dict[str, N
     begins, numbers = [], []
     files: dict[Path, int] = {}
     for piece in pieces:
-        file, begin = video_of(piece.dataset, camera, piece.episode)
+        file, begin = piece.dataset.video_of(camera, piece.episode)
         numbers.append(files.setdefault(file, len(files)))
         first = piece.dataset.bounds[piece.episode][0]
         begins.append(begin + (piece.start - first) / piece.dataset.fps)
