@@ -98,7 +98,7 @@ def check_episodes(path: Path) -> tuple[NDArray[np.int64], list[str]]:
                 f"{path}: {name} of row {row} is {rows[name][row]}, expected {expected[row]}"
             )
     _check_metadata(path, firsts, lengths)
-    tasks = pq.read_table(path / "meta" / "tasks.parquet").to_pydict()
+    tasks = pq.ParquetFile(path / "meta" / "tasks.parquet").read().to_pydict()
     names = dict(zip(tasks["task_index"], tasks["task"], strict=True))
     unknown = set(rows["task_index"].tolist()) - names.keys()
     if unknown:

@@ -10,7 +10,7 @@ import hashlib
 from bisect import bisect_right
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cache, cached_property
 from pathlib import Path
 from typing import Any, Self
 
@@ -134,19 +134,22 @@ class Dataset:
     def _first_rows(self) -> list[int]:
         return stored.first_rows(self.data_files)
 
-    def videos(self, camera: str) -> list[tuple[int, int, float]]:
-        """Of each episode the chunk and the file of its video, and when it begins there [s]."""
-        if camera not in self._videos:
-            names = ("chunk_index", "file_index", "from_timestamp")
-            columns = [f"videos/{camera}/{name}" for name in names]
-            parts = [pq.ParquetFile(file).read(columns) for file in self.episode_files]
-            rows = pa.concat_tables(parts).to_pydict()
-            self._videos[camera] = list(zip(*(rows[name] for name in columns), strict=True))
-        return self._videos[camera]
+    def video_of(self, camera: str, episode: int) -> tuple[Path, float]:
+        """The file that an episode is in, and when it begins there [s]."""
+        chunk, number, begin = self._videos(camera)[episode]
+        template = str(self.info["video_path"])
+        return self.path / template.format(
+            video_key=camera, chunk_index=chunk, file_index=number
+        ), begin
 
-    @cached_property
-    def _videos(self) -> dict[str, list[tuple[int, int, float]]]:
-        return {}
+    @cache  # noqa: B019 (a dataset is opened once, by a command that ends)
+    def _videos(self, camera: str) -> list[tuple[int, int, float]]:
+        """Of each episode the chunk and the file of its video, and when it begins there [s]."""
+        names = ("chunk_index", "file_index", "from_timestamp")
+        columns = [f"videos/{camera}/{name}" for name in names]
+        parts = [pq.ParquetFile(file).read(columns) for file in self.episode_files]
+        rows = pa.concat_tables(parts).to_pydict()
+        return list(zip(*(rows[name] for name in columns), strict=True))
 
     def require(self, wanted: Mapping[str, Feature]) -> None:
         """Check that it has the columns `wanted`, of the same dtype, shape and names.

@@ -3,43 +3,99 @@
 In the shapes, N is the number of rows, and H, W, C are the camera's height, width and channels.
 """
 
+import math
 from bisect import bisect_right
 from collections.abc import Iterable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from functools import partial
-from pathlib import Path
+from typing import Any
 
 import cv2
 import numpy as np
-import pyarrow as pa
+import pyarrow.parquet as pq
 from numpy.typing import NDArray
 
 from pipeline.data.dataset import Dataset
 from pipeline.data.schema import Episode
+from pipeline.data.stored import pngs, to_numpy
 
 Images = NDArray[np.uint8]
 
+KEPT = 2 * 2**30
+"""[bytes] of decoded images that stay in memory: 60,000 of the car's."""
 
-def read_images(dataset: Dataset, camera: str) -> Images:
-    """All images of a camera, uint8 [N, H, W, C] (RGB), rows in order.
+
+class StoredImages:
+    """Stands for an array of images uint8 [N, H, W, C] (RGB) that may not fit into memory: it is
+    asked for rows as an array is, and decodes them then. The first, as many as fit into `KEPT`, are
+    decoded once.
 
     Raises:
-        ValueError: there is no such camera, or an image is none of its shape.
+        ValueError: when it is asked for an image that is none of its shape.
+    """
+
+    dtype = np.dtype(np.uint8)
+
+    def __init__(self, where: str, files: list[bytes], shape: tuple[int, ...]) -> None:
+        self.shape = (len(files), *shape)
+        self._rows = np.arange(len(files))
+        self._files, self._decode = files, partial(_decode, where, shape)
+        kept = min(len(files), KEPT // math.prod(shape))
+        self._kept = np.empty((kept, *shape), np.uint8)  # no memory until it is written to
+        self._is_decoded = np.zeros(kept, bool)
+        self._pool = ThreadPoolExecutor(2)  # OpenCV decodes outside the GIL
+
+    def __len__(self) -> int:
+        return len(self._files)
+
+    def __getitem__(self, rows: slice | NDArray[np.integer]) -> Images:
+        numbers = self._rows[rows]
+        stay = numbers < len(self._kept)
+        new = np.unique(numbers[stay])
+        new = new[~self._is_decoded[new]]
+        for row, image in zip(new, self._decoded(new), strict=True):
+            self._kept[row] = image
+            self._files[row] = b""
+        self._is_decoded[new] = True
+        if stay.all():
+            return self._kept[numbers]
+        images = np.empty((len(numbers), *self.shape[1:]), np.uint8)
+        images[stay] = self._kept[numbers[stay]]
+        for place, image in zip(np.flatnonzero(~stay), self._decoded(numbers[~stay]), strict=True):
+            images[place] = image
+        return images
+
+    def _decoded(self, rows: NDArray[np.integer]) -> Iterator[Images]:
+        return self._pool.map(self._decode, [self._files[row] for row in rows])
+
+
+def read_images(dataset: Dataset, camera: str) -> Images | StoredImages:
+    """All images of a camera, uint8 [N, H, W, C] (RGB), rows in order; those that are no videos are
+    decoded when they are asked for.
+
+    Raises:
+        ValueError: there is no such camera.
     """
     shape = _shape(dataset, camera)
-    images = np.empty((len(dataset), *shape), np.uint8)
-    for (start, stop), part in zip(
-        dataset.bounds, read_pictures(dataset, camera, dataset.bounds), strict=True
-    ):
-        images[start:stop] = part
-    return images
+    if dataset.features[camera]["dtype"] == "video":
+        images = np.empty((len(dataset), *shape), np.uint8)
+        parts = read_pictures(dataset, camera, dataset.bounds)
+        for (start, stop), part in zip(dataset.bounds, parts, strict=True):
+            images[start:stop] = part
+        return images
+    files = [
+        png
+        for file in dataset.data_files
+        for png in pngs(pq.ParquetFile(file).read([camera])[camera])
+    ]
+    return StoredImages(f"{dataset.path}: {camera}", files, shape)
 
 
-def read_all(dataset: Dataset, names: Iterable[str]) -> dict[str, NDArray]:
-    """All rows of some columns, pictures among them: [N, *shape] by name.
+def read_all(dataset: Dataset, names: Iterable[str]) -> dict[str, Any]:
+    """All rows of some columns, pictures among them: arrays [N, *shape] by name, or `StoredImages`.
 
     Raises:
-        ValueError: there is no such column, or an image is none of its shape.
+        ValueError: there is no such column.
     """
     names = list(names)
     numbers = dataset.columns(name for name in names if name not in dataset.cameras)
@@ -58,7 +114,8 @@ def read_some_images(dataset: Dataset, camera: str, rows: Sequence[int]) -> list
 def read_episodes(
     dataset: Dataset, only: Iterable[int] | None = None
 ) -> Iterator[tuple[int, Episode]]:
-    """The episodes with their numbers, or `only` some, in order; one at a time is in memory.
+    """The episodes with their numbers, or `only` some, in order; one at a time is in memory, and no
+    others are read.
 
     Core columns that the dataset lacks are derived, as `Dataset.columns` does.
 
@@ -66,15 +123,19 @@ def read_episodes(
         ValueError: as `read_images`.
     """
     chosen = range(len(dataset.lengths)) if only is None else sorted(only)
-    features = dataset.with_core
-    cameras = [name for name in features if name in dataset.cameras]
-    columns = dataset.columns([name for name in features if name not in cameras])
     bounds = [dataset.bounds[episode] for episode in chosen]
+    features = dataset.with_core
+    cameras = dataset.cameras
+    numbers = [name for name in features if name not in cameras]
+    stored = [name for name in numbers if dataset.has(name)]
+    derived = dataset.columns([name for name in numbers if not dataset.has(name)])
     streams = [read_pictures(dataset, camera, bounds) for camera in cameras]
-    for episode, (start, stop), *pictures in zip(chosen, bounds, *streams, strict=True):
-        rows = {name: values[start:stop] for name, values in columns.items()}
-        seen = dict(zip(cameras, pictures, strict=True))
-        yield episode, Episode(dataset.tasks[episode], rows | seen, features)
+    tables = dataset.tables(bounds, stored)
+    for episode, (start, stop), table, *seen in zip(chosen, bounds, tables, *streams, strict=True):
+        columns = {name: to_numpy(table[name], features[name]) for name in stored}
+        columns |= {name: values[start:stop] for name, values in derived.items()}
+        columns |= dict(zip(cameras, seen, strict=True))
+        yield episode, Episode(dataset.tasks[episode], columns, features)
 
 
 def _shape(dataset: Dataset, camera: str) -> tuple[int, ...]:
@@ -99,11 +160,6 @@ def read_pictures(
             yield np.stack(list(decoded))
 
 
-def pngs(column: pa.ChunkedArray) -> list[bytes]:
-    """The files in a column of images."""
-    return [png for chunk in column.chunks for png in chunk.field("bytes").to_pylist()]
-
-
 def _decode(where: str, shape: tuple[int, ...], png: bytes) -> Images:
     image = cv2.imdecode(np.frombuffer(png, np.uint8), cv2.IMREAD_COLOR_RGB) if png else None
     if image is None or image.shape != shape:
@@ -119,15 +175,7 @@ def _from_videos(
     starts = [start for start, _ in dataset.bounds]
     for start, stop in rows:
         episode = bisect_right(starts, start) - 1
-        file, begin = video_of(dataset, camera, episode)
+        file, begin = dataset.video_of(camera, episode)
         times = begin + (np.arange(start, stop) - starts[episode]) / dataset.fps
         frames = decode_video_frames(file, times.tolist(), 1e-4, "pyav", return_uint8=True)
         yield frames.permute(0, 2, 3, 1).numpy()
-
-
-def video_of(dataset: Dataset, camera: str, episode: int) -> tuple[Path, float]:
-    """The file that an episode is in, and when it begins there [s]."""
-    chunk, number, begin = dataset.videos(camera)[episode]
-    template = str(dataset.info["video_path"])
-    named = template.format(video_key=camera, chunk_index=chunk, file_index=number)
-    return dataset.path / named, begin

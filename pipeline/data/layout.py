@@ -5,8 +5,10 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pyarrow as pa
 import pyarrow.parquet as pq
+from numpy.typing import NDArray
 
 from pipeline.data.schema import LEROBOT_COLUMNS, PICTURES, Feature
 
@@ -14,6 +16,7 @@ DATA_FILE = "data/chunk-{chunk:03d}/file-{number:03d}.parquet"
 EPISODES_FILE = Path("meta/episodes/chunk-000/file-000.parquet")
 VIDEO_FILE = "videos/{camera}/chunk-{chunk:03d}/file-{number:03d}.mp4"
 CHUNK = 1000  # files in a folder
+FILE_MB = 100  # in a data file, about
 
 _IMAGE = pa.struct([("bytes", pa.binary()), ("path", pa.string())])
 
@@ -49,6 +52,17 @@ def arrow_type(feature: Feature) -> pa.DataType:
     return kind
 
 
+def to_arrow(values: NDArray, kind: pa.DataType) -> pa.Array:
+    """A column [T, *shape] of numbers or text as it is stored."""
+    if not (pa.types.is_list(kind) or pa.types.is_fixed_size_list(kind)):
+        return pa.array(values.ravel(), kind)
+    rows, width = values.shape[:2]
+    each = to_arrow(values.reshape(rows * width, *values.shape[2:]), kind.value_type)
+    if pa.types.is_fixed_size_list(kind):
+        return pa.FixedSizeListArray.from_arrays(each, type=kind)
+    return pa.ListArray.from_arrays(np.arange(rows + 1, dtype=np.int32) * width, each, type=kind)
+
+
 def _described(feature: Feature) -> dict[str, Any]:
     """As the library `datasets` writes it into the metadata of a parquet file."""
     if feature["dtype"] in PICTURES:
@@ -75,6 +89,20 @@ def write_json(file: Path, content: Mapping[str, Any], *, sort_keys: bool = Fals
     """As LeRobot writes it, but strict: NaN is an error."""
     text = json.dumps(content, indent=4, ensure_ascii=False, allow_nan=False, sort_keys=sort_keys)
     file.write_text(text + "\n", encoding="utf-8")
+
+
+def write_statistics(root: Path, known: Mapping[str, Mapping[str, NDArray]]) -> None:
+    """meta/stats.json, of the columns of which something is known."""
+    content = {name: {k: v.tolist() for k, v in of.items()} for name, of in known.items()}
+    write_json(root / "meta" / "stats.json", content, sort_keys=True)
+
+
+def new_info(fps: int, robot: str) -> dict[str, Any]:
+    """meta/info.json of a dataset of which only that is known, as LeRobot begins it."""
+    counts = dict.fromkeys(("total_episodes", "total_frames", "total_tasks"), 0)
+    sizes = {"data_files_size_in_mb": FILE_MB, "video_files_size_in_mb": 200}
+    begun = {"codebase_version": "v3.0", "fps": fps, "features": {}, **counts, "chunks_size": CHUNK}
+    return {**begun, **sizes, "data_path": "", "video_path": None, "robot_type": robot}
 
 
 def info(
@@ -110,19 +138,15 @@ def _template(file: str) -> str:
     return file
 
 
-def episode_column(name: str, values: Sequence[Any]) -> pa.Array:
-    """A column of meta/episodes. One type for all: LeRobot keeps the minimum of a flag as a flag
-    where each episode is a single row, and cannot merge that with numbers.
+def episode_statistic(values: NDArray, *, picture: bool) -> pa.Array:
+    """A column of meta/episodes with a statistic [E, D] of each episode: one type for all, as LeRobot
+    keeps the minimum of a flag as a flag where each episode is a single row, and cannot merge that
+    with numbers.
     """
-    if name == "tasks":
-        return pa.array(values, pa.list_(pa.string()))
-    if name.startswith("stats/"):
-        kind = pa.int64() if name.endswith("/count") else pa.float64()
-        nested = values and values[0] and isinstance(values[0][0], list)
-        for _ in range(3 if nested else 1):
-            kind = pa.list_(kind)
-        return pa.array(values, kind)
-    return pa.array(values, pa.float64() if name.endswith("_timestamp") else pa.int64())
+    kind = pa.list_(pa.from_numpy_dtype(values.dtype))
+    if picture:
+        return to_arrow(values[..., None, None], pa.list_(pa.list_(kind)))
+    return to_arrow(values, kind)
 
 
 def write_table(file: Path, table: pa.Table) -> None:

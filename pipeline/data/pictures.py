@@ -2,59 +2,52 @@
 
 import shutil
 from collections.abc import Sequence
+from itertools import groupby
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pyarrow as pa
 import pyarrow.parquet as pq
+from numpy.typing import NDArray
 
 from pipeline.data import layout
 from pipeline.data.dataset import Dataset
-from pipeline.data.images import read_pictures, video_of
 from pipeline.data.pieces import Piece
-from pipeline.data.statistics import NAMES, Statistics, of_images
+from pipeline.data.statistics import NAMES, Statistics, joined
+from pipeline.data.stored import flat
 
 
-def image_statistics(pieces: Sequence[Piece], camera: str) -> list[Statistics] | None:
-    """Of each piece; None where a camera has videos of which nobody knows any.
-
-    A whole episode keeps those that it has, and so does a part of a video, which is not decoded.
+def known_statistics(pieces: Sequence[Piece], camera: str) -> Statistics | None:
+    """Of each piece, those of its episode, as LeRobot's tools have it: nothing is decoded. None where
+    nobody has written any down.
     """
-    known = {dataset: _known(dataset, camera) for dataset in {piece.dataset for piece in pieces}}
     found = []
-    for piece in pieces:
-        of_episodes = known[piece.dataset]
-        video = piece.dataset.features[camera]["dtype"] == "video"
-        if of_episodes is not None and (piece.is_whole or video):
-            found.append({**of_episodes[piece.episode], "count": [len(piece)]})
-        elif video:
+    for dataset, group in groupby(pieces, lambda piece: piece.dataset):
+        of_episodes = _written(dataset, camera)
+        if of_episodes is None:
             return None
-        else:
-            (images,) = read_pictures(piece.dataset, camera, [(piece.start, piece.stop)])
-            found.append(of_images(list(images)))
-    return found
+        here = list(group)
+        episodes = [piece.episode for piece in here]
+        counts = np.array([[len(piece)] for piece in here])
+        found.append({n: of[episodes] for n, of in of_episodes.items()} | {"count": counts})
+    return joined(found) if found else None
 
 
-def _known(dataset: Dataset, camera: str) -> list[Statistics] | None:
+def _written(dataset: Dataset, camera: str) -> Statistics | None:
     """Those that meta/episodes has, of each episode; None unless it has them all."""
     columns = {name: f"stats/{camera}/{name}" for name in NAMES}
-    files = dataset.episode_files
-    if not all(set(columns.values()) <= set(pq.read_schema(file).names) for file in files):
+    files = [pq.ParquetFile(file) for file in dataset.episode_files]
+    if not all(set(columns.values()) <= set(file.schema_arrow.names) for file in files):
         return None
-    table = pa.concat_tables(pq.ParquetFile(file).read(list(columns.values())) for file in files)
-    rows = table.to_pydict()
-    return [
-        {
-            # LeRobot's tools flatten what they have read: [C, 1, 1] becomes [C]
-            name: np.reshape(value, (-1, 1, 1) if name != "count" else -1).tolist()
-            for name, value in zip(columns, values, strict=True)
-        }
-        for values in zip(*(rows[key] for key in columns.values()), strict=True)
-    ]
+    table = pa.concat_tables(file.read(list(columns.values())) for file in files)
+    # LeRobot's tools flatten what they have read: [C, 1, 1] becomes [C]
+    return {
+        name: flat(table[column].combine_chunks()).to_numpy().reshape(len(table), -1)
+        for name, column in columns.items()
+    }
 
 
-def pass_videos(root: Path, pieces: Sequence[Piece], camera: str) -> dict[str, list[Any]]:
+def pass_videos(root: Path, pieces: Sequence[Piece], camera: str) -> dict[str, NDArray]:
     """Copy the videos that the pieces are in, and say where each piece is: columns of meta/episodes.
 
     A video is copied as it is, with all its frames: cutting one would encode it anew.
@@ -62,7 +55,7 @@ def pass_videos(root: Path, pieces: Sequence[Piece], camera: str) -> dict[str, l
     begins, numbers = [], []
     files: dict[Path, int] = {}
     for piece in pieces:
-        file, begin = video_of(piece.dataset, camera, piece.episode)
+        file, begin = piece.dataset.video_of(camera, piece.episode)
         numbers.append(files.setdefault(file, len(files)))
         first = piece.dataset.bounds[piece.episode][0]
         begins.append(begin + (piece.start - first) / piece.dataset.fps)
@@ -70,12 +63,11 @@ def pass_videos(root: Path, pieces: Sequence[Piece], camera: str) -> dict[str, l
         copy = root / layout.VIDEO_FILE.format(camera=camera, **layout.place(number))
         copy.parent.mkdir(parents=True, exist_ok=True)
         shutil.copyfile(file, copy)
-    fps = pieces[0].dataset.fps if pieces else 1
+    placed, starts = np.array(numbers, np.int64), np.array(begins, float)
+    lasts = [len(piece) / piece.dataset.fps for piece in pieces]
     return {
-        f"videos/{camera}/chunk_index": [number // layout.CHUNK for number in numbers],
-        f"videos/{camera}/file_index": [number % layout.CHUNK for number in numbers],
-        f"videos/{camera}/from_timestamp": begins,
-        f"videos/{camera}/to_timestamp": [
-            begin + len(piece) / fps for begin, piece in zip(begins, pieces, strict=True)
-        ],
+        f"videos/{camera}/chunk_index": placed // layout.CHUNK,
+        f"videos/{camera}/file_index": placed % layout.CHUNK,
+        f"videos/{camera}/from_timestamp": starts,
+        f"videos/{camera}/to_timestamp": starts + np.array(lasts, float),
     }

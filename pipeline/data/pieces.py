@@ -9,7 +9,7 @@ import pyarrow as pa
 from numpy.typing import NDArray
 
 from pipeline.data.dataset import Dataset
-from pipeline.data.layout import arrow_schema
+from pipeline.data.layout import arrow_schema, to_arrow
 from pipeline.data.schema import CORE, Feature, column_dtype, missing_value
 
 
@@ -61,29 +61,24 @@ def runs(chosen: NDArray[np.bool_]) -> list[slice]:
 
 def stored_rows(
     pieces: Sequence[Piece], features: Mapping[str, Feature]
-) -> Iterator[tuple[Piece, pa.Table]]:
-    """Each piece with its rows: the columns of `features` that are stored in rows, in that order.
+) -> Iterator[tuple[list[Piece], pa.Table]]:
+    """The pieces that are in one data file, with their rows, one file after the other: the columns
+    of `features` that are stored in rows, in that order.
 
     Of a column that its dataset lacks: a core column as `Dataset.columns`, else `missing_value`.
     """
     schema = pa.schema([field for field in arrow_schema(features) if field.name in features])
-    for dataset, group in groupby(pieces, lambda piece: piece.dataset):
-        here = list(group)
+    for dataset, of_dataset in groupby(pieces, lambda piece: piece.dataset):
         there = [name for name in schema.names if dataset.has(name)]
         lacking = _lacking(dataset, {n: features[n] for n in schema.names if n not in there})
-        tables = dataset.tables([(piece.start, piece.stop) for piece in here], there)
-        for piece, table in zip(here, tables, strict=True):
+        for _, of_file in groupby(of_dataset, lambda piece: piece.dataset.file_of(piece.start)):
+            here = list(of_file)
+            rows = [(piece.start, piece.stop) for piece in here]
+            table = pa.concat_tables(dataset.tables(rows, there))
             for name, values in lacking.items():
-                rows = to_arrow(values[piece.start : piece.stop], schema.field(name).type)
-                table = table.append_column(name, rows)
-            yield piece, table.select(schema.names).cast(schema).combine_chunks()
-
-
-def to_arrow(values: NDArray, kind: pa.DataType) -> pa.Array:
-    """A column [T] or [T, D] of numbers as it is stored."""
-    if pa.types.is_fixed_size_list(kind):
-        return pa.FixedSizeListArray.from_arrays(pa.array(values.ravel()), type=kind)
-    return pa.array(values.ravel(), kind)
+                kept = np.concatenate([values[start:stop] for start, stop in rows])
+                table = table.append_column(name, to_arrow(kept, schema.field(name).type))
+            yield here, table.select(schema.names).cast(schema).combine_chunks()
 
 
 def _lacking(dataset: Dataset, features: Mapping[str, Feature]) -> dict[str, NDArray]:

@@ -38,18 +38,23 @@ def numbers(files: Sequence[Path], features: Mapping[str, Feature]) -> dict[str,
 
 def to_numpy(column: pa.ChunkedArray, feature: Feature) -> NDArray:
     """A column as [N, *shape] of its own dtype."""
-    dtype, chunks = column_dtype(feature), [_flat(chunk) for chunk in column.chunks]
-    flat = [chunk.to_numpy(zero_copy_only=False) for chunk in chunks] or [np.empty(0, dtype)]
-    return np.concatenate(flat).astype(dtype, copy=False).reshape(-1, *feature["shape"])
+    dtype, chunks = column_dtype(feature), [flat(chunk) for chunk in column.chunks]
+    parts = [chunk.to_numpy(zero_copy_only=False) for chunk in chunks] or [np.empty(0, dtype)]
+    return np.concatenate(parts).astype(dtype, copy=False).reshape(-1, *feature["shape"])
 
 
-def _flat(values: pa.Array) -> pa.Array:
+def flat(values: pa.Array) -> pa.Array:
     """The numbers of vectors and matrices one after the other, whatever kind of list they are in."""
     if isinstance(values, pa.ExtensionArray):
         values = values.storage
     while pa.types.is_list(values.type) or pa.types.is_fixed_size_list(values.type):
         values = values.flatten()
     return values
+
+
+def pngs(column: pa.ChunkedArray) -> list[bytes]:
+    """The files in a column of images."""
+    return [png for chunk in column.chunks for png in chunk.field("bytes").to_pylist()]
 
 
 def tables(

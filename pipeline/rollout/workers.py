@@ -1,9 +1,9 @@
 """Drives in several processes."""
 
+import sys
 import warnings
 from collections.abc import Callable, Generator, Iterable
 
-import torch
 from joblib import Parallel, delayed
 from joblib.externals.loky.process_executor import TerminatedWorkerError
 
@@ -35,5 +35,6 @@ def in_order[Result](
 
 def _on_one_thread[Result](job: Callable[..., Result], arguments: tuple) -> Result:
     """Another number of threads may round differently, and then so would another number of workers."""
-    torch.set_num_threads(1)
+    if "torch" in sys.modules:  # it takes seconds to import, and the reference needs none
+        sys.modules["torch"].set_num_threads(1)
     return job(*arguments)

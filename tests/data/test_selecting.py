@@ -2,17 +2,20 @@ from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
+import pyarrow.parquet as pq
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from pipeline.data.blocks import GROUP, row_groups
 from pipeline.data.dataset import Dataset
-from pipeline.data.images import pngs, read_episodes
+from pipeline.data.images import read_episodes
 from pipeline.data.pieces import chosen, runs
 from pipeline.data.schema import Episode
 from pipeline.data.selecting import sample, select
+from pipeline.data.stored import pngs
 from pipeline.driving.features import CAMERA, FEATURES
-from tests.data.spoiling import copy, drop_column
+from tests.data.spoiling import copy, drop_column, set_last_image
 from tests.episodes import random_episode, write
 
 flags = st.lists(st.booleans(), max_size=40).map(lambda found: np.array(found, bool))
@@ -66,15 +69,43 @@ def test_what_was_asked_is_kept_whoever_drove(tmp_path: Path) -> None:
     assert new.column("intervention").tolist() == [True, False, False, True]
 
 
-def test_no_picture_is_encoded_anew(rollout_1: Dataset, tmp_path: Path) -> None:
-    select(rollout_1, tmp_path / "new")
+def test_pictures_pass_through_unseen(rollout_1: Dataset, tmp_path: Path) -> None:
+    """Neither decoded nor encoded: one that is no picture at all passes, too."""
+    other = copy(rollout_1, tmp_path / "other")
+    set_last_image(b"no PNG")(other)
+    sample(Dataset.open(other), tmp_path / "new", len(rollout_1) - 1, seed=3)
     new = Dataset.open(tmp_path / "new")
     before, after = (
         [png for table in d.tables(d.bounds, [CAMERA]) for png in pngs(table[CAMERA])]
-        for d in (rollout_1, new)
+        for d in (Dataset.open(other), new)
     )
-    kept = np.flatnonzero(rollout_1.column("queried"))
-    assert after == [before[row] for row in kept]
+    places = zip(new.column("source.episode"), new.column("source.frame"), strict=True)
+    starts = [start for start, _ in rollout_1.bounds]
+    assert after == [before[starts[episode] + frame] for episode, frame in places]
+    assert after[-1] == b"no PNG"
+
+
+def test_of_a_part_the_pictures_statistics_are_those_of_its_episode(
+    rollout_1: Dataset, tmp_path: Path
+) -> None:
+    select(rollout_1, tmp_path / "new")
+    new = Dataset.open(tmp_path / "new")
+    before, after = (pq.read_table(d.episode_files[0]) for d in (rollout_1, new))
+    kept = [int(new.column("source.episode")[start]) for start, _ in new.bounds]
+    for key in ("mean", "max", "q50"):
+        of_episodes = before[f"stats/{CAMERA}/{key}"].to_pylist()
+        assert after[f"stats/{CAMERA}/{key}"].to_pylist() == [of_episodes[e] for e in kept]
+    assert after[f"stats/{CAMERA}/count"].to_pylist() == [[n] for n in new.lengths]
+
+
+@given(st.lists(st.integers(1, 90), min_size=1))
+def test_a_row_group_has_whole_episodes_and_more_than_a_few_rows(lengths: list[int]) -> None:
+    stops, groups = np.cumsum(lengths).tolist(), row_groups(lengths)
+    assert set(np.cumsum(groups).tolist()) <= set(stops) and sum(groups) == sum(lengths)
+    assert all(group >= GROUP for group in groups[:-1])
+    assert all(group < GROUP + max(lengths) for group in groups)
+    if min(lengths) >= GROUP:
+        assert groups == lengths, "an episode each, as LeRobot has it"
 
 
 def test_what_nobody_asked_is_an_empty_dataset(tmp_path: Path) -> None:

@@ -10,10 +10,12 @@ import pytest
 
 from pipeline.data.dataset import Dataset
 from pipeline.data.merging import merge
+from pipeline.data.schema import Episode
 from pipeline.data.selecting import select
-from pipeline.driving.features import CAMERA, FEATURES
+from pipeline.driving.features import CAMERA, FEATURES, ROBOT_TYPE
 from tests.data.conftest import strict_json
 
+NOBODY_KNOWS = ("primary_action", "safe_probability", "deviation")  # where the reference drives
 NUMBERS = [name for name in FEATURES if name != CAMERA]
 
 
@@ -38,32 +40,51 @@ def test_the_loader_gives_back_every_row(new_1: Dataset, load: Callable) -> None
             np.testing.assert_array_equal(value, new_1.columns([name])[name][index])
 
 
-def test_a_file_is_described_as_lerobots_writer_does(d_0: Dataset, tmp_path: Path) -> None:
-    """The types and the metadata of the rows, and what the small files hold."""
+def test_recorded_is_what_lerobots_own_writer_records(
+    d_0: Dataset, demonstrations: list[Episode], tmp_path: Path
+) -> None:
+    """Rows byte for byte, pictures too; statistics as exactly as theirs are; the same small files."""
     from lerobot.datasets import LeRobotDataset
 
     theirs = LeRobotDataset.create(
-        "local/x", fps=10, features=FEATURES, root=tmp_path / "x", use_videos=False
+        "local/x",
+        fps=10,
+        features=FEATURES,
+        root=tmp_path / "x",
+        robot_type=ROBOT_TYPE,
+        use_videos=False,
+        video_backend="pyav",
     )
-    for row in range(2):
-        frame = {name: d_0.columns([name])[name][row] for name in NUMBERS}
-        frame[CAMERA] = np.zeros((72, 160, 3), np.uint8)
-        theirs.add_frame({**frame, "task": "a task"})
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", RuntimeWarning)  # NaN has no minimum
-        theirs.save_episode()
+    for drive in demonstrations:
+        for row in range(len(drive)):
+            frame = {name: values[row] for name, values in drive.columns.items()}
+            theirs.add_frame({**frame, "task": drive.task})
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", RuntimeWarning)  # NaN has no minimum
+            theirs.save_episode()
     theirs.finalize()
-    ours, other = Dataset.open(d_0.path), Dataset.open(tmp_path / "x")
-    schemas = [pq.read_schema(dataset.data_files[0]) for dataset in (ours, other)]
-    assert schemas[0].remove_metadata().equals(schemas[1].remove_metadata())
-    about = [dict(schema.metadata)[b"huggingface"].decode() for schema in schemas]
+    other = Dataset.open(tmp_path / "x")
+
+    rows, their_rows = (pq.ParquetFile(d.data_files[0]).read() for d in (d_0, other))
+    assert rows.schema.remove_metadata().equals(their_rows.schema.remove_metadata())
+    about = [table.schema.metadata[b"huggingface"].decode() for table in (rows, their_rows)]
     assert about[0] == about[1].split(', "fingerprint"')[0] + "}"
-    assert set(ours.info) == set(other.info)
-    assert ours.info["features"] == other.info["features"]
-    tasks = [pq.read_schema(d.path / "meta" / "tasks.parquet") for d in (ours, other)]
-    assert tasks[0].equals(tasks[1])
-    columns = [set(pq.read_schema(d.episode_files[0]).names) for d in (ours, other)]
-    assert columns[0] == columns[1]
+    for name in rows.column_names:
+        if name != "source.dataset":  # the dataset's id
+            assert repr(rows[name].to_pylist()) == repr(their_rows[name].to_pylist()), name
+    assert d_0.info == other.info
+    tasks = [pq.read_table(d.path / "meta" / "tasks.parquet") for d in (d_0, other)]
+    assert tasks[0].equals(tasks[1], check_metadata=True)
+
+    # theirs add up in single precision, and their quantiles are of a histogram
+    of_episodes, theirs_of = (pq.read_table(d.episode_files[0]).to_pydict() for d in (d_0, other))
+    assert set(of_episodes) == set(theirs_of)
+    for name, values in of_episodes.items():
+        kind, _, key = name.partition("/")
+        if kind != "stats":
+            assert values == theirs_of[name], name
+        elif key.split("/")[0] not in ("source.dataset", *NOBODY_KNOWS) and "/q" not in key:
+            np.testing.assert_allclose(values, theirs_of[name], atol=1e-4, err_msg=name)
 
 
 def test_episodes_can_be_deleted(new_1: Dataset, tmp_path: Path, load: Callable) -> None:
