@@ -26,10 +26,10 @@ lint: .venv/.metaworld
 	ruff check .
 	mypy
 
-.venv/.ready: requirements.lock pyproject.toml | .venv/bin/uv
+.venv/.ready: requirements.lock pyproject.toml plugin/pyproject.toml | .venv/bin/uv
 	@echo "Installing into .venv: about a minute, and 6 GB"
 	@uv pip install --quiet --python .venv/bin/python --compile-bytecode $(WHEELS) -r requirements.lock
-	@uv pip install --quiet --python .venv/bin/python --no-deps --editable .
+	@uv pip install --quiet --python .venv/bin/python --no-deps --editable . --editable plugin
 	@touch $@
 
 # What only tests need, and whoever drives the robot arm.
