@@ -26,13 +26,19 @@ def inspect(
     """Show a dataset in Rerun, a recording an episode."""
     from pipeline.data.dataset import Dataset
     from pipeline.driving.features import ROBOT_TYPE
-    from pipeline.inspection.excerpts import around_takeovers, whole_episodes
+    from pipeline.inspection.excerpts import around_takeovers, ranked_takeovers, whole_episodes
     from pipeline.inspection.rerun_blueprints import drive_blueprint
     from pipeline.inspection.rerun_log import log_excerpt
     from pipeline.inspection.rerun_plain import log_plain, plain_blueprint
 
     opened = Dataset.open(dataset)
-    excerpts = around_takeovers(opened, episode) if unsafe else whole_episodes(opened, episode)
+    if unsafe:
+        ranked = ranked_takeovers(opened, episode)
+        for rank, takeover in enumerate(ranked, 1):
+            typer.echo(f"{rank:04d}: {takeover}")
+        excerpts = around_takeovers(opened, ranked)
+    else:
+        excerpts = whole_episodes(opened, episode)
     ours = opened.info["robot_type"] == ROBOT_TYPE
     blueprint = drive_blueprint(opened.fps) if ours else plain_blueprint(opened)
     with options.rerun_sink(save, web, blueprint) as sink:

@@ -3,6 +3,7 @@
 import inspect
 import math
 import os
+from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import MISSING
@@ -167,6 +168,11 @@ def arguments(context: typer.Context) -> dict[str, Any]:
 def names(listed: str) -> list[str]:
     """The names in a comma-separated list."""
     return [name.strip() for name in listed.split(",")]
+
+
+def endings(why: Iterable[str]) -> str:
+    """Why drives ended, and how many for each reason."""
+    return "ended: " + ", ".join(f"{reason} {n}" for reason, n in Counter(why).most_common())
 
 
 def seen_from(report: Path, picture: Path) -> str:

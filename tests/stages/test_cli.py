@@ -104,6 +104,24 @@ def test_collect_refuses_nonsense_in_one_line(
     assert list(tmp_path.iterdir()) == []
 
 
+def test_why_drives_ended_is_said_of_a_dataset_and_of_its_episodes(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    from pipeline.data.dataset import Dataset
+    from pipeline.inspection.excerpts import whole_episodes
+
+    monkeypatch.chdir(tmp_path)
+    typed = flat(COLLECT | {"--seconds": "0.2", "--episodes": "2"})
+    monkeypatch.setattr(sys, "argv", ["safedagger", "collect", "D_0", *typed])
+    with pytest.raises(SystemExit):
+        cli.main()
+    assert capsys.readouterr().out == (
+        "D_0: 2 episodes, 6 frames, 6 queries; ended: out of time 2\n"
+    )
+    titles = [excerpt.title for excerpt in whole_episodes(Dataset.open(Path("D_0")))]
+    assert all(title.endswith("; ended: out of time") for title in titles)
+
+
 def test_an_output_that_exists_is_left_alone(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:

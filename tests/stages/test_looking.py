@@ -7,8 +7,10 @@ import numpy as np
 import pytest
 import torch
 
+from pipeline.data.dataset import Dataset
 from pipeline.driving.network import PrimaryNetwork
 from pipeline.driving.policy import PrimaryConfig, PrimaryPolicy
+from pipeline.inspection.excerpts import ranked_takeovers
 from pipeline.policies.loading import weights_sha256
 from pipeline.policies.network import SafetyNetwork
 from pipeline.policies.safety import SafetyConfig, SafetyPolicy
@@ -90,6 +92,16 @@ def test_a_file_for_rerun(
         assert all(line.endswith("takeovers; ended: out of time") for line in before)
 
 
+def test_takeovers_are_listed_as_they_are_ranked(
+    made: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(made)
+    assert run(monkeypatch, "inspect", "a", "--unsafe", "--save", tmp_path / "x.rrd") == 0
+    *listed, _ = capsys.readouterr().out.splitlines()
+    expected = ranked_takeovers(Dataset.open(Path("a")))
+    assert listed == [f"{rank:04d}: {takeover}" for rank, takeover in enumerate(expected, 1)]
+
+
 def test_driving_naively_needs_no_safety_policy(
     made: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -102,6 +114,9 @@ def test_driving_naively_needs_no_safety_policy(
         assert capsys.readouterr().out.endswith("0 takeovers; ended: out of time\n")
         typed = [*WATCH, *EVALUATE, drives, "--metrics", metrics, "--strategies", "naive"]
         assert run(monkeypatch, "evaluate", *policies, *typed) == 0
+        assert capsys.readouterr().out.endswith(
+            "0 of them by the reference; ended: out of time 2\n"
+        )
         shown[name] = [path.read_bytes() for path in (film, drives, metrics)]
     assert shown["with"] == shown["without"]
 
