@@ -26,9 +26,8 @@ def contact_sheet(
     from pipeline.inspection.canvas import png
     from pipeline.inspection.contact_sheet import Shown, extreme_frames
     from pipeline.inspection.contact_sheet import contact_sheet as draw
-    from pipeline.output import check_place, write_file
+    from pipeline.output import write_file
 
-    check_place(output)
     rollout = Dataset.open(dataset)
     rollout.require(DRIVEN)
     probability = rollout.column("safe_probability")

@@ -13,7 +13,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
+from typer.models import ArgumentInfo
 
+from pipeline.output import check_place
 from pipeline.registry import LESSONS, TASKS
 from pipeline.settings import Setting, Settings, settings
 
@@ -151,8 +153,20 @@ def _option(name: str, kind: Any, setting: Setting, default: Any) -> inspect.Par
 
 
 def _parameter(name: str, annotation: Any, default: Any) -> inspect.Parameter:
+    """A parameter of a command. Paths without dashes are looked at before anything is imported."""
+    for told in getattr(annotation, "__metadata__", ()):
+        if isinstance(told, ArgumentInfo):
+            if name == "output":
+                told.callback = _free
+            else:
+                told.exists = True
     kind = inspect.Parameter.KEYWORD_ONLY
     return inspect.Parameter(name, kind, annotation=annotation, default=default)
+
+
+def _free(output: Path) -> Path:
+    check_place(output)
+    return output
 
 
 def arguments(context: typer.Context) -> dict[str, Any]:

@@ -193,6 +193,51 @@ def test_missing_input_is_named_and_nothing_is_written(
     assert list(tmp_path.iterdir()) == []
 
 
+WRONG = """
+import sys
+from stages.__main__ import main
+for command in sys.argv[1].splitlines():
+    sys.argv[1:] = command.split()
+    try:
+        main()
+    except SystemExit as end:
+        assert end.code == 2
+print(*{module.split(".")[0] for module in sys.modules})
+"""
+
+
+def test_a_wrong_path_is_found_out_before_anything_heavy_is_imported(tmp_path: Path) -> None:
+    (tmp_path / "there").mkdir()
+    drives = " ".join(flat(DRIVES))
+    typed = (
+        "select missing out",
+        "merge there missing out",
+        "inspect missing",
+        "compare there missing",
+        f"collect there {drives}",
+        f"rollout there missing out --queries 1 --frames 1 {drives}",
+        "watch missing --strategy naive --seed 0",
+        "train-primary missing out",
+        "train-primary there there",
+        "train-safety there missing missing out",
+        "evaluate missing --metrics m --drives d",
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", WRONG, "\n".join(typed)],
+        cwd=tmp_path,
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    named = [
+        line.split("there" if " there:" in line else "missing") for line in done.stderr.splitlines()
+    ]
+    assert [len(parts) for parts in named] == [2] * len(typed)
+    assert not (HEAVY - {"numpy"} | {"pyarrow", "pandas", "scipy", "rerun"}) & set(
+        done.stdout.split()
+    )
+
+
 def test_what_nobody_asked_is_selected_merged_and_counted(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -311,16 +356,17 @@ def test_a_place_that_cannot_be_written_is_found_out_before_the_driving(
     capsys: pytest.CaptureFixture[str],
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    """The policies are missing, too: nobody looks for them yet."""
+    """The policies are no policies, too: nobody opens them yet."""
     monkeypatch.chdir(tmp_path)
+    Path("policy").mkdir()
     drives = {k: v for k, v in DRIVES.items() if "spread" not in k}
     places = {"--drives": "drives.csv", "--metrics": "metrics.json"} | {option: place}
     typed = drives | places | {"--laps": "1", "--starts": "1", "--strategies": "naive"}
-    code, error = run(capsys, monkeypatch, "evaluate", "missing", "missing", *flat(typed))
+    code, error = run(capsys, monkeypatch, "evaluate", "policy", "policy", *flat(typed))
     assert code == 2
     assert error.startswith(f"safedagger: {place}: ")
     assert len(error.splitlines()) == 1
-    assert list(tmp_path.iterdir()) == []
+    assert list(tmp_path.iterdir()) == [tmp_path / "policy"]
 
 
 def test_the_cut_of_a_rollout_is_its_safety_policys_own(
