@@ -86,6 +86,10 @@ Save = Annotated[
     Path | None, typer.Option(help="Write a Rerun file (.rrd) instead. It must not exist.")
 ]
 Web = Annotated[bool, typer.Option("--web", help="Serve it to a browser on this machine instead.")]
+Port = Annotated[
+    int,
+    typer.Option(min=0, help="Where --web serves its page; its data is at the next. 0: any two."),
+]
 
 
 def chosen(command: Callable[..., None], typed: Sequence[str]) -> Callable[..., None]:
@@ -229,18 +233,21 @@ def figures(metrics: Mapping[str, float | None]) -> str:
 
 
 @contextmanager
-def rerun_sink(save: Path | None, web: bool, blueprint: "Blueprint") -> Iterator["Sink"]:
+def rerun_sink(save: Path | None, web: bool, port: int, blueprint: "Blueprint") -> Iterator["Sink"]:
     """The file `save`, or a page for a browser, or else a window: until it is closed, or Ctrl-C."""
     from pipeline.inspection.rerun_sinks import into_file, into_viewer
 
     if save is not None and web:
         raise typer.BadParameter("--save and --web exclude each other")
+    if port and not web:
+        raise typer.BadParameter("--port is where --web serves its page")
     if save is not None:
         with into_file(save, blueprint) as sink:
             yield sink
         typer.echo(f"{save}: open it with `rerun {save}`")
         return
-    with suppress(KeyboardInterrupt), into_viewer(blueprint, web=web) as sink:
+    with suppress(KeyboardInterrupt), into_viewer(blueprint, web=web, port=port) as sink:
         if sink.page is not None:
-            typer.echo(f"{sink.page} (Ctrl-C to end)")
+            both = " ".join(f"-L {port}:127.0.0.1:{port}" for port in sink.ports)
+            typer.echo(f"{sink.page} (Ctrl-C to end; elsewhere after `ssh {both} <this machine>`)")
         yield sink

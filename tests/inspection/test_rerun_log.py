@@ -264,6 +264,23 @@ def test_only_this_machine_reaches_the_page(dataset: Dataset) -> None:
             assert probe.connect_ex(("127.0.0.1", port)) != 0
 
 
+def test_the_page_is_where_it_is_wanted_and_its_data_is_next() -> None:
+    with socket.socket() as probe:
+        probe.bind(("127.0.0.1", 0))
+        taken = probe.getsockname()[1]
+        probe.listen()
+        for port in (taken, taken - 1):
+            with (
+                pytest.raises(ValueError, match=f"port {taken}: .* expected a free one"),
+                into_viewer(BLUEPRINT, web=True, port=port),
+            ):
+                pass
+    with pytest.raises(KeyboardInterrupt), into_viewer(BLUEPRINT, web=True, port=taken) as sink:
+        assert sink.ports == (taken, taken + 1)
+        assert f"http://127.0.0.1:{taken}/" in (sink.page or "")
+        raise KeyboardInterrupt
+
+
 def listening(port: int) -> set[str]:
     """The addresses, in hexadecimal, that are listened to on a port."""
     lines = [line.split() for name in ("tcp", "tcp6") for line in table(name)]
@@ -281,5 +298,5 @@ def test_a_window_needs_a_display(monkeypatch: pytest.MonkeyPatch) -> None:
         "pipeline.inspection.rerun_sinks._ENVIRONMENT",
         {"PATH": os.environ["PATH"], "RERUN_ANALYTICS": "0"},
     )
-    with pytest.raises(ValueError, match="needs a display"), into_viewer(BLUEPRINT, web=False):
+    with pytest.raises(ValueError, match="use --web or --save"), into_viewer(BLUEPRINT, web=False):
         pass

@@ -97,9 +97,14 @@ def test_takeovers_are_listed_as_they_are_ranked(
 ) -> None:
     monkeypatch.chdir(made)
     assert run(monkeypatch, "inspect", "a", "--unsafe", "--save", tmp_path / "x.rrd") == 0
-    *listed, _ = capsys.readouterr().out.splitlines()
+    *listed, size, _ = capsys.readouterr().out.splitlines()
     expected = ranked_takeovers(Dataset.open(Path("a")))
     assert listed == [f"{rank:04d}: {takeover}" for rank, takeover in enumerate(expected, 1)]
+    frames = sum(takeover.end - takeover.first for takeover in expected)
+    about = f"{len(expected)} recordings, {frames} frames: about "
+    assert size.startswith(about)
+    written = (tmp_path / "x.rrd").stat().st_size / 1e6
+    assert written / 2 < float(size.removeprefix(about).removesuffix(" MB")) < written * 2
 
 
 def test_driving_naively_needs_no_safety_policy(
@@ -143,6 +148,7 @@ def test_each_side_is_driven_by_its_own_policies(
     ("typed", "named"),
     [
         (["inspect", "a", "--save", "x.rrd", "--web"], "exclude each other"),
+        (["inspect", "a", "--port", "9000"], "--port is where --web serves its page"),
         (["compare", "a", "b", "--drive", "1"], "no drive 1"),
         (["watch", *WATCH, "--strategy", "naive"], "strategy is naive, which needs a primary"),
         (
