@@ -27,12 +27,17 @@ class Driving(StrEnum):
 @app.command()
 def watch(
     task: "Task",
-    strategy: Annotated[Driving, typer.Option(help="Who drives. reference needs no policies.")],
-    seed: options.Seed,
     primary: Annotated[
         Path | None, typer.Argument(help="A primary policy, as train-primary writes it.")
     ] = None,
     safety: options.SafetyIfAny = None,
+    strategy: Annotated[
+        Driving | None,
+        typer.Option(
+            help="Who drives; by default safe, without a safety policy naive, without any reference."
+        ),
+    ] = None,
+    seed: options.Seed = 0,
     cut: options.Cut = None,
     device: options.Device = "cpu",
     save: options.Save = None,
@@ -52,6 +57,8 @@ def watch(
     from pipeline.rollout.strategies import Strategy
 
     track, computes = track_to_draw(task), find_device(device)
+    if strategy is None:
+        strategy = Driving.safe if safety else Driving.naive if primary else Driving.reference
     if primary is None and strategy is not Driving.reference:
         raise ValueError(f"strategy is {strategy}, which needs a primary")
     driver = Driver.load(primary, safety, device=computes) if primary else None

@@ -3,6 +3,7 @@
 import re
 import subprocess
 import sys
+import tomllib
 from pathlib import Path
 
 import numpy as np
@@ -72,6 +73,17 @@ def test_the_list_of_commands_shows_each_with_a_whole_line(
     assert [line.split()[0] for line in lines] == STAGES
     assert all(line.endswith(".") and not line.endswith("...") for line in lines)
     assert all(line.count("(") == line.count(")") for line in lines)
+
+
+def test_the_version_is_the_projects(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(sys, "argv", ["safedagger", "--version"])
+    with pytest.raises(SystemExit) as exit_:
+        cli.main()
+    assert exit_.value.code == 0
+    project = tomllib.loads((Path(__file__).parents[2] / "pyproject.toml").read_text())["project"]
+    assert capsys.readouterr().out == f"safedagger {project['version']}\n"
 
 
 @pytest.mark.parametrize(

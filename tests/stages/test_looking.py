@@ -59,6 +59,9 @@ def run(monkeypatch: pytest.MonkeyPatch, *arguments: object) -> int:
         (["inspect", "a"], "a/episode_0000"),
         (["compare", "a", "b"], "yew/a_0/b_0"),
         (["watch", *WATCH, "--strategy", "reference"], "willow/reference/1"),
+        (["watch", *CAR], "willow/reference/0"),
+        (["watch", "primary", *CAR], "willow/naive/0"),
+        (["watch", "primary", "safety", *CAR], "willow/safe/0"),
         (["watch", "primary", "safety", *WATCH, "--strategy", "naive"], "willow/naive/1"),
         (["watch", "primary", *WATCH, "--strategy", "naive"], "willow/naive/1"),
         (["watch", "primary", *WATCH, "--strategy", "reference"], "willow/reference/1"),
@@ -151,6 +154,7 @@ def test_each_side_is_driven_by_its_own_policies(
         (["inspect", "a", "--port", "9000"], "--port is where --web serves its page"),
         (["compare", "a", "b", "--drive", "1"], "no drive 1"),
         (["watch", *WATCH, "--strategy", "naive"], "strategy is naive, which needs a primary"),
+        (["watch", "primary", "--tracks", "oak"], "track 'oak': expected one of"),
         (
             ["watch", "primary", *WATCH, "--strategy", "safe"],
             "is safe, which needs a safety policy",
