@@ -92,6 +92,20 @@ def test_a_rule_of_ones_own_drives_as_the_page_shows(
     assert (queries, frames) == (50, 100)
 
 
+def test_the_demo_films_and_records_a_drive(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """As make calls it, but for the rest of the lap."""
+    make = ["make", "--dry-run", "--old-file=.venv/.ready", "demo"]
+    recipe = subprocess.run(make, cwd=ROOT, check=True, capture_output=True, text=True).stdout
+    monkeypatch.chdir(tmp_path)
+    Path("examples").symlink_to(ROOT / "examples")
+    for line in recipe.splitlines()[1:]:
+        typed(*shlex.split(line), "--laps", "0.1")
+    assert {path.name for path in tmp_path.iterdir()} == {"examples", "demo.gif", "demo.rrd"}
+    assert capsys.readouterr().out.count("ended: laps done") == 2
+
+
 @pytest.mark.usefixtures("plugin")
 def test_our_primaries_are_trained_by_lerobots_own_command(
     by_hand: Path, monkeypatch: pytest.MonkeyPatch
