@@ -7,10 +7,17 @@ PYTHONS = python3.12 python3 python "$$(uv python find --no-python-downloads 3.1
 IS_3_12 = -c 'import sys; sys.exit(sys.version_info[:2] != (3, 12))'
 WHEELS = --only-binary :all: --no-binary antlr4-python3-runtime
 
-.PHONY: repro experiment test lint
+.PHONY: repro demo experiment test lint
 
 repro: .venv/.ready
 	dvc repro runs && dvc repro
+
+# A lap by the safe strategy, with the policies in git: a film, and a file for Rerun.
+LAP = examples/demo/primary examples/demo/safety --tracks yew --traffic 12 --laps 1 --seconds 120
+demo: .venv/.ready
+	@rm -f demo.gif demo.rrd
+	safedagger film $(LAP) --strategy safe --seed 1 --show-every 2 --output demo.gif
+	safedagger watch $(LAP) --strategy safe --seed 1 --save demo.rrd
 
 # The comparison on one seed, e.g. `make experiment SEED=1`: all strategies beside each other.
 SEED = 0
@@ -26,10 +33,10 @@ lint: .venv/.metaworld
 	ruff check .
 	mypy
 
-.venv/.ready: requirements.lock pyproject.toml | .venv/bin/uv
+.venv/.ready: requirements.lock pyproject.toml plugin/pyproject.toml | .venv/bin/uv
 	@echo "Installing into .venv: about a minute, and 6 GB"
 	@uv pip install --quiet --python .venv/bin/python --compile-bytecode $(WHEELS) -r requirements.lock
-	@uv pip install --quiet --python .venv/bin/python --no-deps --editable .
+	@uv pip install --quiet --python .venv/bin/python --no-deps --editable . --editable plugin
 	@touch $@
 
 # What only tests need, and whoever drives the robot arm.

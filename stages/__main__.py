@@ -3,6 +3,8 @@
 import os
 import sys
 from collections.abc import Sequence
+from importlib.metadata import version as version_of
+from typing import Annotated
 
 import typer
 from typer import TyperException
@@ -70,6 +72,12 @@ ENVIRONMENT = {
 """What the commands set for themselves, unless the user has. Libraries read it when first imported."""
 
 
+def _version(asked: bool) -> None:
+    if asked:
+        typer.echo(f"safedagger {version_of('safedagger')}")
+        raise typer.Exit
+
+
 def commands(typed: Sequence[str]) -> typer.Typer:
     """All commands; those with a seam take the settings of the task or policy that is `typed`. Where
     one is typed, of the others there is nothing but the name: what they take need not be imported.
@@ -81,8 +89,8 @@ def commands(typed: Sequence[str]) -> typer.Typer:
         no_args_is_help=True,
         add_completion=False,
         rich_markup_mode=None,
-        help="SafeDAgger (Zhang & Cho 2016) on LeRobot datasets. Each command is one step of Algorithm 1.",
     )
+    app.callback()(safedagger)
     named = {
         command.callback.__name__.replace("_", "-"): command.callback
         for stage in STAGES
@@ -93,6 +101,15 @@ def commands(typed: Sequence[str]) -> typer.Typer:
     for name, command in named.items():
         app.command(name)(options.chosen(command, typed) if one in (None, name) else lambda: None)
     return app
+
+
+def safedagger(
+    version: Annotated[
+        bool,
+        typer.Option("--version", is_eager=True, callback=_version, help="Say which, and exit."),
+    ] = False,
+) -> None:
+    """SafeDAgger (Zhang & Cho 2016) on LeRobot datasets. Each command is one step of Algorithm 1."""
 
 
 def main() -> None:

@@ -46,12 +46,10 @@ def collect(
     Also what supervised learning trains on in later iterations.
     """
     from pipeline.data.lineage import Recipe
-    from pipeline.output import check_place
     from pipeline.rollout.plans import SEED_STREAMS
     from pipeline.rollout.recording import record_all
     from pipeline.rollout.rules.reference import Reference
 
-    check_place(output)
     drives = record_all(
         task,
         Reference(),

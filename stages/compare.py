@@ -19,6 +19,7 @@ def compare(
     ] = 0,
     save: options.Save = None,
     web: options.Web = False,
+    port: options.Port = 0,
 ) -> None:
     """Show two datasets side by side in Rerun.
 
@@ -31,6 +32,6 @@ def compare(
 
     first = Dataset.open(a)
     found, fps = pairs(first, Dataset.open(b), drive), first.fps
-    with options.rerun_sink(save, web, pair_blueprint(fps)) as sink:
+    with options.rerun_sink(save, web, port, pair_blueprint(fps)) as sink:
         for pair in found:
             log_pair(pair, sink.connect, fps=fps)

@@ -26,6 +26,7 @@ def compare_policies(
     device: options.Device = "cpu",
     save: options.Save = None,
     web: options.Web = False,
+    port: options.Port = 0,
 ) -> None:
     """Let two policies drive the same road, in Rerun.
 
@@ -49,7 +50,7 @@ def compare_policies(
         for primary, safety in ((primary_a, safety_a), (primary_b, safety_b))
     ]
     fps = task.fps
-    with options.rerun_sink(save, web, pair_blueprint(fps)) as sink:
+    with options.rerun_sink(save, web, port, pair_blueprint(fps)) as sink:
         drives, tallies = [], []
         with options.progress("driving", len(sides)) as advance_to:
             for number, (driver, judgement) in enumerate(sides):

@@ -24,19 +24,23 @@ def contact_sheet(
     from pipeline.data.images import read_some_images
     from pipeline.driving.features import CAMERA, DRIVEN
     from pipeline.inspection.canvas import png
+    from pipeline.inspection.contact_sheet import Shown, extreme_frames
     from pipeline.inspection.contact_sheet import contact_sheet as draw
-    from pipeline.inspection.contact_sheet import extreme_frames
-    from pipeline.output import check_place, write_file
+    from pipeline.output import write_file
 
-    check_place(output)
     rollout = Dataset.open(dataset)
     rollout.require(DRIVEN)
     probability = rollout.column("safe_probability")
     chosen = extreme_frames(probability, rollout.episode_index, frames)
     rows = sorted({int(row) for part in chosen for row in part})
     images = dict(zip(rows, read_some_images(rollout, CAMERA, rows), strict=True))
+    episode, starts = rollout.episode_index, [start for start, _ in rollout.bounds]
     safest, least_safe = (
-        [(images[row], float(probability[row])) for row in part.tolist()] for part in chosen
+        [
+            Shown(images[row], probability[row], episode[row], row - starts[episode[row]])
+            for row in part.tolist()
+        ]
+        for part in chosen
     )
     title = f"{dataset.name}: probability of being safe"
     write_file(output, png(draw(title, safest, least_safe)))

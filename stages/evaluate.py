@@ -73,5 +73,5 @@ def evaluate(
     write_metrics(metrics, {"task": about, **summarise(driven, task.metrics)})
     typer.echo(
         f"{metrics}: {len(driven)} drives, {driven.frames.sum()} frames, "
-        f"{driven.takeover_frames.sum()} of them by the reference"
+        f"{driven.takeover_frames.sum()} of them by the reference; {options.endings(driven.ended)}"
     )

@@ -22,19 +22,36 @@ def inspect(
     ] = False,
     save: options.Save = None,
     web: options.Web = False,
+    port: options.Port = 0,
 ) -> None:
     """Show a dataset in Rerun, a recording an episode."""
     from pipeline.data.dataset import Dataset
     from pipeline.driving.features import ROBOT_TYPE
-    from pipeline.inspection.excerpts import around_takeovers, whole_episodes
+    from pipeline.inspection.excerpts import (
+        around_takeovers,
+        megabytes,
+        ranked_takeovers,
+        whole_episodes,
+    )
     from pipeline.inspection.rerun_blueprints import drive_blueprint
     from pipeline.inspection.rerun_log import log_excerpt
     from pipeline.inspection.rerun_plain import log_plain, plain_blueprint
 
     opened = Dataset.open(dataset)
-    excerpts = around_takeovers(opened, episode) if unsafe else whole_episodes(opened, episode)
+    if unsafe:
+        ranked = ranked_takeovers(opened, episode)
+        for rank, takeover in enumerate(ranked, 1):
+            typer.echo(f"{rank:04d}: {takeover}")
+        excerpts = around_takeovers(opened, ranked)
+        lengths = [takeover.end - takeover.first for takeover in ranked]
+    else:
+        excerpts = whole_episodes(opened, episode)
+        lengths = opened.lengths.tolist() if episode is None else [opened.lengths[episode]]
     ours = opened.info["robot_type"] == ROBOT_TYPE
+    if save and ours:
+        size = megabytes(opened, sum(lengths), len(lengths))
+        typer.echo(f"{len(lengths)} recordings, {sum(lengths)} frames: about {size:.0f} MB")
     blueprint = drive_blueprint(opened.fps) if ours else plain_blueprint(opened)
-    with options.rerun_sink(save, web, blueprint) as sink:
+    with options.rerun_sink(save, web, port, blueprint) as sink:
         for excerpt in excerpts:
             (log_excerpt if ours else log_plain)(excerpt, sink.connect, fps=opened.fps)

@@ -3,6 +3,7 @@
 import inspect
 import math
 import os
+from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import MISSING
@@ -12,7 +13,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
+from typer.models import ArgumentInfo
 
+from pipeline.output import check_place
 from pipeline.registry import LESSONS, TASKS
 from pipeline.settings import Setting, Settings, settings
 
@@ -83,6 +86,10 @@ Save = Annotated[
     Path | None, typer.Option(help="Write a Rerun file (.rrd) instead. It must not exist.")
 ]
 Web = Annotated[bool, typer.Option("--web", help="Serve it to a browser on this machine instead.")]
+Port = Annotated[
+    int,
+    typer.Option(min=0, help="Where --web serves its page; its data is at the next. 0: any two."),
+]
 
 
 def chosen(command: Callable[..., None], typed: Sequence[str]) -> Callable[..., None]:
@@ -150,8 +157,20 @@ def _option(name: str, kind: Any, setting: Setting, default: Any) -> inspect.Par
 
 
 def _parameter(name: str, annotation: Any, default: Any) -> inspect.Parameter:
+    """A parameter of a command. Paths without dashes are looked at before anything is imported."""
+    for told in getattr(annotation, "__metadata__", ()):
+        if isinstance(told, ArgumentInfo):
+            if name == "output":
+                told.callback = _free
+            else:
+                told.exists = True
     kind = inspect.Parameter.KEYWORD_ONLY
     return inspect.Parameter(name, kind, annotation=annotation, default=default)
+
+
+def _free(output: Path) -> Path:
+    check_place(output)
+    return output
 
 
 def arguments(context: typer.Context) -> dict[str, Any]:
@@ -167,6 +186,11 @@ def arguments(context: typer.Context) -> dict[str, Any]:
 def names(listed: str) -> list[str]:
     """The names in a comma-separated list."""
     return [name.strip() for name in listed.split(",")]
+
+
+def endings(why: Iterable[str]) -> str:
+    """Why drives ended, and how many for each reason."""
+    return "ended: " + ", ".join(f"{reason} {n}" for reason, n in Counter(why).most_common())
 
 
 def seen_from(report: Path, picture: Path) -> str:
@@ -209,18 +233,21 @@ def figures(metrics: Mapping[str, float | None]) -> str:
 
 
 @contextmanager
-def rerun_sink(save: Path | None, web: bool, blueprint: "Blueprint") -> Iterator["Sink"]:
+def rerun_sink(save: Path | None, web: bool, port: int, blueprint: "Blueprint") -> Iterator["Sink"]:
     """The file `save`, or a page for a browser, or else a window: until it is closed, or Ctrl-C."""
     from pipeline.inspection.rerun_sinks import into_file, into_viewer
 
     if save is not None and web:
         raise typer.BadParameter("--save and --web exclude each other")
+    if port and not web:
+        raise typer.BadParameter("--port is where --web serves its page")
     if save is not None:
         with into_file(save, blueprint) as sink:
             yield sink
         typer.echo(f"{save}: open it with `rerun {save}`")
         return
-    with suppress(KeyboardInterrupt), into_viewer(blueprint, web=web) as sink:
+    with suppress(KeyboardInterrupt), into_viewer(blueprint, web=web, port=port) as sink:
         if sink.page is not None:
-            typer.echo(f"{sink.page} (Ctrl-C to end)")
+            both = " ".join(f"-L {port}:127.0.0.1:{port}" for port in sink.ports)
+            typer.echo(f"{sink.page} (Ctrl-C to end; elsewhere after `ssh {both} <this machine>`)")
         yield sink

@@ -9,7 +9,6 @@ from stages import options
 if TYPE_CHECKING:
     from pipeline.data.lineage import Recipe
     from pipeline.data.schema import Episode
-    from pipeline.data.writing import Summary
     from pipeline.rollout.recording import Recording
     from pipeline.task import Task
 
@@ -23,8 +22,8 @@ def keep(
     what: str,
     total: int,
     count: Callable[["Recording"], int],
-) -> "Summary":
-    """Write drives as they are ready.
+) -> str:
+    """Write drives as they are ready; says what there is then, and why they ended.
 
     Args:
         recordings: drives of the task.
@@ -35,6 +34,7 @@ def keep(
         total: of that.
         count: how much of that a drive is.
     """
+    from pipeline.data.dataset import Dataset
     from pipeline.data.writing import write_dataset
 
     def episodes() -> Iterator["Episode"]:
@@ -45,4 +45,5 @@ def keep(
                 done += count(recording)
                 advance_to(done)
 
-    return write_dataset(output, episodes(), recipe, fps=task.fps, robot=task.robot)
+    summary = write_dataset(output, episodes(), recipe, fps=task.fps, robot=task.robot)
+    return f"{summary}; {options.endings(drive['ended'] for drive in Dataset.open(output).drives)}"

@@ -55,7 +55,7 @@ def rollout(
     from pipeline.rollout.recording import record_all, until_queries
     from pipeline.rollout.strategies import Strategy
 
-    check_place(output, metrics)
+    check_place(metrics)
     computes = find_device(device)
     judgement = Judgement.read(safety, cut)
     drives = record_all(

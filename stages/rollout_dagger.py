@@ -32,7 +32,6 @@ def rollout_dagger(
 ) -> None:
     """Drive with DAgger's mixture, all labelled (Section 2.6)."""
     from pipeline.data.lineage import Recipe
-    from pipeline.output import check_place
     from pipeline.policies.computing import find_device
     from pipeline.policies.inference import Driver
     from pipeline.policies.loading import policy_lineage
@@ -40,7 +39,6 @@ def rollout_dagger(
     from pipeline.rollout.recording import record_all, until_queries
     from pipeline.rollout.rules.mixture import Mixture
 
-    check_place(output)
     drives = record_all(
         task,
         Mixture(beta),

@@ -27,22 +27,28 @@ class Driving(StrEnum):
 @app.command()
 def watch(
     task: "Task",
-    strategy: Annotated[Driving, typer.Option(help="Who drives. reference needs no policies.")],
-    seed: options.Seed,
     primary: Annotated[
         Path | None, typer.Argument(help="A primary policy, as train-primary writes it.")
     ] = None,
     safety: options.SafetyIfAny = None,
+    strategy: Annotated[
+        Driving | None,
+        typer.Option(
+            help="Who drives; by default safe, without a safety policy naive, without any reference."
+        ),
+    ] = None,
+    seed: options.Seed = 0,
     cut: options.Cut = None,
     device: options.Device = "cpu",
     save: options.Save = None,
     web: options.Web = False,
+    port: options.Port = 0,
 ) -> None:
     """Drive, and show it in Rerun meanwhile. Ctrl-C ends the drive."""
     from pipeline.inspection.drawn import Tally, track_to_draw
     from pipeline.inspection.live import in_real_time, watched
     from pipeline.inspection.rerun_blueprints import live_blueprint
-    from pipeline.inspection.rerun_camera import RAW
+    from pipeline.inspection.rerun_camera import COMPRESSED, RAW
     from pipeline.inspection.rerun_log import drive_tracer, new_recording
     from pipeline.policies.computing import find_device
     from pipeline.policies.inference import Driver
@@ -51,6 +57,8 @@ def watch(
     from pipeline.rollout.strategies import Strategy
 
     track, computes = track_to_draw(task), find_device(device)
+    if strategy is None:
+        strategy = Driving.safe if safety else Driving.naive if primary else Driving.reference
     if primary is None and strategy is not Driving.reference:
         raise ValueError(f"strategy is {strategy}, which needs a primary")
     driver = Driver.load(primary, safety, device=computes) if primary else None
@@ -58,11 +66,13 @@ def watch(
     plan = Plan(task, track.name, rule_of(Strategy(strategy), judgement), (seed,))
     fps, tally = task.fps, Tally()
     frames = watched(plan, driver, judgement)
-    with options.rerun_sink(save, web, live_blueprint(fps)) as sink:
+    with options.rerun_sink(save, web, port, live_blueprint(fps)) as sink:
         name = f"{track.name}/{strategy}/{seed}"
         title = f"{strategy}, {plan.description}, seed {seed}"
         with new_recording(name, title, track, sink.connect) as recording:
-            tracer = drive_tracer(recording, fps=fps, judgement=judgement, camera=RAW)
+            tracer = drive_tracer(
+                recording, fps=fps, judgement=judgement, camera=COMPRESSED if save else RAW
+            )
             with suppress(KeyboardInterrupt):
                 for footage, after in frames if save else in_real_time(frames, fps):
                     if not sink.is_open():

@@ -1,6 +1,8 @@
 """A command as it is typed, run in this process: LeRobot takes long to import."""
 
+import subprocess
 import sys
+from pathlib import Path
 
 import pytest
 
@@ -14,3 +16,13 @@ def run(*words: object) -> int:
         cli.main()
     assert isinstance(exit_.value.code, int)
     return exit_.value.code
+
+
+def typed(program: str, *words: str) -> None:
+    """Call ours as `run` does, another by its script; it has to succeed."""
+    if program == "safedagger":
+        assert run(*words) == 0, words
+    else:
+        script = Path(sys.executable).parent / program
+        done = subprocess.run([script, *words], check=False, capture_output=True, text=True)
+        assert done.returncode == 0, done.stderr

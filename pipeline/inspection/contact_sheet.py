@@ -4,6 +4,7 @@ In the shapes, N is the number of frames.
 """
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 from matplotlib.figure import Figure, SubFigure
@@ -12,6 +13,18 @@ from numpy.typing import NDArray
 from pipeline.inspection.canvas import new_figure, styled
 
 COLUMNS = 5  # frames beside each other
+
+
+@dataclass(frozen=True, eq=False)
+class Shown:
+    """A frame on the sheet."""
+
+    image: NDArray[np.uint8]
+    """[72, 160, 3]"""
+    safe_probability: float
+    episode: int
+    frame: int
+    """counted within the episode"""
 
 
 def extreme_frames(
@@ -37,12 +50,8 @@ def extreme_frames(
     return _one_each(rising[::-1], episode_index, count), _one_each(rising, episode_index, count)
 
 
-def contact_sheet(
-    title: str,
-    safest: Sequence[tuple[NDArray[np.uint8], float]],
-    least_safe: Sequence[tuple[NDArray[np.uint8], float]],
-) -> Figure:
-    """Two panels of frames, uint8 [72, 160, 3], each with its probability of being safe.
+def contact_sheet(title: str, safest: Sequence[Shown], least_safe: Sequence[Shown]) -> Figure:
+    """Two panels of frames, each with its probability of being safe, and where it is to be found.
 
     Raises:
         ValueError: there is no frame in one of the two.
@@ -52,7 +61,7 @@ def contact_sheet(
     if 0 in rows:
         raise ValueError("there are no frames, expected some safe and some unsafe ones")
     with styled():
-        figure = new_figure(2.2 * COLUMNS, 1.25 * sum(rows) + 1.1)
+        figure = new_figure(2.2 * COLUMNS, 1.4 * sum(rows) + 1.1)
         figure.suptitle(title, fontsize=11, fontweight="bold")
         halves = figure.add_gridspec(2, 1, height_ratios=rows)
         for half, (name, frames) in enumerate(panels.items()):
@@ -69,13 +78,14 @@ def _one_each(
     return ranked[np.concatenate([np.sort(firsts), others])[:count]]
 
 
-def _draw(
-    panel: SubFigure, name: str, frames: Sequence[tuple[NDArray[np.uint8], float]], rows: int
-) -> None:
+def _draw(panel: SubFigure, name: str, frames: Sequence[Shown], rows: int) -> None:
     panel.suptitle(name, fontsize=10, x=0.01, ha="left")
     grid = panel.subplots(rows, COLUMNS, squeeze=False).ravel()
     for axes in grid:
         axes.set_axis_off()
-    for axes, (image, probability) in zip(grid, frames, strict=False):
-        axes.imshow(image, interpolation="nearest")
-        axes.set_title(f"{probability:.3f}", fontsize=8, pad=2, loc="center", fontweight="normal")
+    for axes, shown in zip(grid, frames, strict=False):
+        axes.imshow(shown.image, interpolation="nearest")
+        probability = f"{shown.safe_probability:.3f}"
+        axes.set_title(probability, fontsize=8, pad=2, loc="center", fontweight="normal")
+        place = f"episode {shown.episode}, frame {shown.frame}"
+        axes.text(0.5, -0.03, place, transform=axes.transAxes, fontsize=7, ha="center", va="top")

@@ -8,7 +8,7 @@ from pipeline.data.images import read_episodes
 from pipeline.data.schema import Episode
 from pipeline.driving.features import FEATURES
 from pipeline.driving.tracks import Track
-from pipeline.inspection.excerpts import judgement_of
+from pipeline.inspection.excerpts import ending, judgement_of
 from pipeline.inspection.footage import Footage, track_of
 from pipeline.rollout.judgement import Judgement
 
@@ -60,7 +60,8 @@ def _pair(
     (a, i, drive_a), (b, j, drive_b) = of_a, of_b
     judged = judgement_of(a, drive_a), judgement_of(b, drive_b)
     return Pair(
-        f"{track}: a is {a.path.name}, episode {i}; b is {b.path.name}, episode {j}",
+        f"{track}: a is {a.path.name}, episode {i}{ending(a, i)}; "
+        f"b is {b.path.name}, episode {j}{ending(b, j)}",
         f"{track}/{a.path.name}_{i}/{b.path.name}_{j}",
         track_of(drive_a.task),
         Footage.of_episode(drive_a, judgement=judged[0]),

@@ -21,9 +21,7 @@ LOOPBACK = "127.0.0.1"  # Rerun's own default is to be open to the whole network
 STARTING = 30.0  # [s] that a viewer may take to start
 _RERUN = Path(rr.__file__).parents[1] / "rerun_cli" / "rerun"
 _ENVIRONMENT = {**os.environ, "RERUN_ANALYTICS": "0"}
-_BROKE = (
-    "the viewer broke down: its window needs a display, a page for a browser or a file does not"
-)
+_BROKE = "the viewer broke down: where there is no display for its window, use --web or --save"
 
 
 @dataclass(frozen=True)
@@ -36,6 +34,8 @@ class Sink:
     """Whether it still takes anything: a viewer may be closed at any time."""
     page: str | None = None
     """The address of a page that shows it."""
+    ports: tuple[int, int] = (0, 0)
+    """Of the page, and of the data that it asks for."""
 
 
 @contextmanager
@@ -68,7 +68,7 @@ def into_file(path: Path, blueprint: rrb.Blueprint) -> Iterator[Sink]:
 
 
 @contextmanager
-def into_viewer(blueprint: rrb.Blueprint, *, web: bool) -> Iterator[Sink]:
+def into_viewer(blueprint: rrb.Blueprint, *, web: bool, port: int = 0) -> Iterator[Sink]:
     """Starts a viewer that only this machine can reach, and in the end waits until it is closed.
 
     Connecting to a viewer that was closed ends the block.
@@ -76,15 +76,16 @@ def into_viewer(blueprint: rrb.Blueprint, *, web: bool) -> Iterator[Sink]:
     Args:
         blueprint: where the viewer shows what.
         web: serve a page to a browser, instead of opening a window.
+        port: of the page; its data has the next one. 0: any two.
 
     Raises:
-        ValueError: the viewer did not start, or broke down.
+        ValueError: one of the ports is taken; the viewer did not start, or broke down.
     """
-    port, page = _free_port(), _free_port()
-    data = f"rerun+http://{LOOPBACK}:{port}/proxy"
+    page, behind = _free_port(port), _free_port(port + 1 if port else 0)
+    data = f"rerun+http://{LOOPBACK}:{behind}/proxy"
     how = ["--serve-web", "--web-viewer-port", str(page)] if web else ["--hide-welcome-screen"]
     process = subprocess.Popen(
-        [_RERUN, "--bind", LOOPBACK, "--port", str(port), *how],
+        [_RERUN, "--bind", LOOPBACK, "--port", str(behind), *how],
         stdout=subprocess.DEVNULL,
         stderr=subprocess.DEVNULL,
         env=_ENVIRONMENT,
@@ -101,9 +102,9 @@ def into_viewer(blueprint: rrb.Blueprint, *, web: bool) -> Iterator[Sink]:
         recording.connect_grpc(data, default_blueprint=None if next(connected) else blueprint)
 
     try:
-        _await(process, port)
+        _await(process, behind)
         try:
-            yield Sink(connect, is_open, address if web else None)
+            yield Sink(connect, is_open, address if web else None, (page, behind))
         except RuntimeError:
             if is_open():
                 raise
@@ -125,7 +126,10 @@ def _await(process: subprocess.Popen[bytes], port: int) -> None:
     raise ValueError(_BROKE)
 
 
-def _free_port() -> int:
+def _free_port(wanted: int) -> int:
     with socket.socket() as probe:
-        probe.bind((LOOPBACK, 0))
+        try:
+            probe.bind((LOOPBACK, wanted))
+        except (OSError, OverflowError) as error:
+            raise ValueError(f"port {wanted}: {error}, expected a free one") from None
         return int(probe.getsockname()[1])

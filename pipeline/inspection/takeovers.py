@@ -3,6 +3,7 @@
 In the shapes, N is the number of rows of a dataset.
 """
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -10,6 +11,8 @@ from numpy.typing import NDArray
 
 from pipeline.data.pieces import runs
 
+JUDGED = ("intervention", "queried", "safe_probability", "deviation")
+"""The columns that tell of takeovers."""
 BEFORE, AFTER = 2.0, 1.0  # [s] of a window around its takeover
 
 
@@ -28,36 +31,39 @@ class Takeover:
     """The frame after the window's last: 1 s after the takeover, or where the episode ends."""
     safe_probability: float
     """The lowest in the takeover: how unsafe it was."""
+    deviation: float
+    """The highest in the takeover; NaN where it is not known."""
+    queries: int
+    """What it cost."""
+
+    def __str__(self) -> str:
+        return (
+            f"episode {self.episode}, frames {self.start} to {self.stop - 1}: safe probability "
+            f"{self.safe_probability:.3f}, deviation {self.deviation:.4f}, {self.queries} queries"
+        )
 
 
 def takeovers(
-    intervention: NDArray[np.bool_],
-    safe_probability: NDArray[np.floating],
-    episode_index: NDArray[np.int64],
-    *,
-    fps: int,
+    columns: Mapping[str, NDArray], episode_index: NDArray[np.int64], *, fps: int
 ) -> list[Takeover]:
     """All takeovers, most unsafe first, equally unsafe ones in the order of the dataset.
 
     What the reference drove without a safety policy is no takeover.
 
     Args:
-        intervention: [N].
-        safe_probability: [N], NaN where there is none.
+        columns: those of JUDGED, each [N].
         episode_index: [N], never falling.
         fps: frames per second.
     """
     found: list[Takeover] = []
-    taken = intervention & ~np.isnan(safe_probability)
     for episode in np.unique(episode_index):
-        rows = episode_index == episode
-        found += _of_episode(int(episode), taken[rows], safe_probability[rows], fps)
+        rows = {name: columns[name][episode_index == episode] for name in JUDGED}
+        found += _of_episode(int(episode), rows, fps)
     return sorted(found, key=lambda takeover: takeover.safe_probability)
 
 
-def _of_episode(
-    episode: int, taken: NDArray[np.bool_], safe_probability: NDArray[np.floating], fps: int
-) -> list[Takeover]:
+def _of_episode(episode: int, rows: Mapping[str, NDArray], fps: int) -> list[Takeover]:
+    taken = rows["intervention"] & ~np.isnan(rows["safe_probability"])
     return [
         Takeover(
             episode,
@@ -65,7 +71,9 @@ def _of_episode(
             run.stop,
             max(run.start - round(BEFORE * fps), 0),
             min(run.stop + round(AFTER * fps), len(taken)),
-            float(safe_probability[run].min()),
+            float(rows["safe_probability"][run].min()),
+            float(rows["deviation"][run].max()),
+            int(rows["queried"][run].sum()),
         )
         for run in runs(taken)
     ]

@@ -4,7 +4,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from pipeline.inspection.canvas import png
-from pipeline.inspection.contact_sheet import contact_sheet, extreme_frames
+from pipeline.inspection.contact_sheet import Shown, contact_sheet, extreme_frames
 
 
 def test_each_episode_gives_its_most_extreme_frame() -> None:
@@ -39,22 +39,25 @@ def test_frames_without_a_safety_policy_are_refused() -> None:
         extreme_frames(np.array([np.nan, 0.5]), np.array([0, 0]), 2)
 
 
-def test_a_sheet_shows_every_frame_with_its_probability() -> None:
+def test_a_sheet_shows_every_frame_with_its_probability_and_its_place() -> None:
     rng = np.random.default_rng(0)
     frames = [
-        (rng.integers(0, 256, (72, 160, 3), np.uint8), probability)
-        for probability in (0.999, 0.95, 0.9, 0.85, 0.8, 0.75, 0.1)
+        Shown(rng.integers(0, 256, (72, 160, 3), np.uint8), probability, 7, row)
+        for row, probability in enumerate((0.999, 0.95, 0.9, 0.85, 0.8, 0.75, 0.1))
     ]
     figure = contact_sheet("rollout_1", frames[:6], frames[6:])
     upper, lower = figure.subfigs
     shown = [axes for axes in (*upper.axes, *lower.axes) if axes.images]
-    assert [axes.get_title("center") for axes in shown] == [f"{p:.3f}" for _, p in frames]
-    for axes, (image, _) in zip(shown, frames, strict=True):
-        np.testing.assert_array_equal(axes.images[0].get_array(), image)
+    assert [axes.get_title("center") for axes in shown] == [
+        f"{f.safe_probability:.3f}" for f in frames
+    ]
+    for row, (axes, frame) in enumerate(zip(shown, frames, strict=True)):
+        np.testing.assert_array_equal(axes.images[0].get_array(), frame.image)
+        assert [text.get_text() for text in axes.texts] == [f"episode 7, frame {row}"]
     assert png(figure) == png(contact_sheet("rollout_1", frames[:6], frames[6:]))
 
 
 def test_a_sheet_needs_both() -> None:
     image = np.zeros((72, 160, 3), np.uint8)
     with pytest.raises(ValueError, match="expected some safe and some unsafe"):
-        contact_sheet("rollout_1", [(image, 0.9)], [])
+        contact_sheet("rollout_1", [Shown(image, 0.9, 0, 0)], [])

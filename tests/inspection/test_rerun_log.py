@@ -15,7 +15,12 @@ from rerun.experimental import RrdReader
 from pipeline.data.dataset import Dataset
 from pipeline.data.schema import Episode
 from pipeline.driving.features import AFFORDANCES, CAMERA
-from pipeline.inspection.excerpts import Excerpt, around_takeovers, whole_episodes
+from pipeline.inspection.excerpts import (
+    Excerpt,
+    around_takeovers,
+    ranked_takeovers,
+    whole_episodes,
+)
 from pipeline.inspection.rerun_blueprints import drive_blueprint
 from pipeline.inspection.rerun_log import log_excerpt
 from pipeline.inspection.rerun_sinks import into_file, into_viewer
@@ -181,13 +186,13 @@ def test_one_episode_only(dataset: Dataset, episodes: list[Episode]) -> None:
         with pytest.raises(ValueError, match=f"no episode {unknown}, expected 0 to 1"):
             whole_episodes(dataset, unknown)
         with pytest.raises(ValueError, match="expected 0 to 1"):
-            around_takeovers(dataset, unknown)
+            ranked_takeovers(dataset, unknown)
 
 
 def test_takeovers_keep_the_time_of_their_episode(
     dataset: Dataset, episodes: list[Episode], tmp_path: Path
 ) -> None:
-    excerpts = list(around_takeovers(dataset))
+    excerpts = list(around_takeovers(dataset, ranked_takeovers(dataset)))
     assert excerpts[-1].title.startswith("takeover 0001: ")
     probability = episodes[1].columns["safe_probability"][:, 0]
     assert f"safe probability {probability.min():.3f}" in excerpts[-1].title
@@ -200,11 +205,11 @@ def test_takeovers_keep_the_time_of_their_episode(
 
 
 def test_takeovers_are_ranked_by_their_titles(dataset: Dataset) -> None:
-    titles = [excerpt.title for excerpt in around_takeovers(dataset)]
+    titles = [excerpt.title for excerpt in around_takeovers(dataset, ranked_takeovers(dataset))]
     assert [title[:14] for title in sorted(titles)] == [
         f"takeover {rank:04d}:" for rank in range(1, len(titles) + 1)
     ]
-    probabilities = [float(title.split()[4].strip(",")) for title in sorted(titles)]
+    probabilities = [float(title.split()[10].strip(",")) for title in sorted(titles)]
     assert probabilities == sorted(probabilities)
 
 
@@ -212,7 +217,7 @@ def test_few_episodes_are_in_memory_at_a_time(tmp_path: Path) -> None:
     rng = np.random.default_rng(0)
     many = write(tmp_path / "many", (random_episode(rng, 12) for _ in range(8)))
     seen: list[weakref.ref[np.ndarray]] = []
-    for excerpt in around_takeovers(many):
+    for excerpt in around_takeovers(many, ranked_takeovers(many)):
         images = excerpt.episode.columns[CAMERA].base
         assert isinstance(images, np.ndarray)
         if not any(images is image() for image in seen):
@@ -224,7 +229,7 @@ def test_few_episodes_are_in_memory_at_a_time(tmp_path: Path) -> None:
 
 def test_where_the_reference_drove_alone_is_no_takeover(dataset: Dataset) -> None:
     with pytest.raises(ValueError, match="episode 0 has no takeovers"):
-        around_takeovers(dataset, 0)
+        ranked_takeovers(dataset, 0)
 
 
 def test_a_file_is_never_overwritten_and_never_half_there(dataset: Dataset, tmp_path: Path) -> None:
@@ -259,6 +264,23 @@ def test_only_this_machine_reaches_the_page(dataset: Dataset) -> None:
             assert probe.connect_ex(("127.0.0.1", port)) != 0
 
 
+def test_the_page_is_where_it_is_wanted_and_its_data_is_next() -> None:
+    with socket.socket() as probe:
+        probe.bind(("127.0.0.1", 0))
+        taken = probe.getsockname()[1]
+        probe.listen()
+        for port in (taken, taken - 1):
+            with (
+                pytest.raises(ValueError, match=f"port {taken}: .* expected a free one"),
+                into_viewer(BLUEPRINT, web=True, port=port),
+            ):
+                pass
+    with pytest.raises(KeyboardInterrupt), into_viewer(BLUEPRINT, web=True, port=taken) as sink:
+        assert sink.ports == (taken, taken + 1)
+        assert f"http://127.0.0.1:{taken}/" in (sink.page or "")
+        raise KeyboardInterrupt
+
+
 def listening(port: int) -> set[str]:
     """The addresses, in hexadecimal, that are listened to on a port."""
     lines = [line.split() for name in ("tcp", "tcp6") for line in table(name)]
@@ -276,5 +298,5 @@ def test_a_window_needs_a_display(monkeypatch: pytest.MonkeyPatch) -> None:
         "pipeline.inspection.rerun_sinks._ENVIRONMENT",
         {"PATH": os.environ["PATH"], "RERUN_ANALYTICS": "0"},
     )
-    with pytest.raises(ValueError, match="needs a display"), into_viewer(BLUEPRINT, web=False):
+    with pytest.raises(ValueError, match="use --web or --save"), into_viewer(BLUEPRINT, web=False):
         pass

@@ -13,36 +13,48 @@ FRAMES = st.tuples(
 )
 
 
+def columns(drove: np.ndarray, probability: np.ndarray) -> dict[str, np.ndarray]:
+    """The reference was asked where it drove; the deviation is a tenth of the row."""
+    return {
+        "intervention": drove,
+        "queried": drove,
+        "safe_probability": probability,
+        "deviation": np.where(drove, np.arange(len(drove)) / 10, np.nan),
+    }
+
+
 def test_most_unsafe_first_two_seconds_before_one_second_after() -> None:
     drove = np.zeros(60, bool)
     drove[[25, 26, 45]] = True
     probability = np.full(60, 0.9)
     probability[[25, 26, 45]] = 0.4, 0.3, 0.1
-    assert takeovers(drove, probability, np.zeros(60, np.int64), fps=10) == [
-        Takeover(episode=0, start=45, stop=46, first=25, end=56, safe_probability=0.1),
-        Takeover(episode=0, start=25, stop=27, first=5, end=37, safe_probability=0.3),
+    found = takeovers(columns(drove, probability), np.zeros(60, np.int64), fps=10)
+    assert found == [
+        Takeover(0, 45, 46, 25, 56, 0.1, 4.5, 1),
+        Takeover(0, 25, 27, 5, 37, 0.3, 2.6, 2),
     ]
+    assert str(found[1]) == (
+        "episode 0, frames 25 to 26: safe probability 0.300, deviation 2.6000, 2 queries"
+    )
 
 
 def test_a_window_ends_with_its_episode() -> None:
     drove = np.array([False, True, True, False])
     probability = np.array([0.9, 0.2, 0.4, 0.9])
-    assert takeovers(drove, probability, np.array([0, 0, 1, 1]), fps=30) == [
-        Takeover(episode=0, start=1, stop=2, first=0, end=2, safe_probability=0.2),
-        Takeover(episode=1, start=0, stop=1, first=0, end=2, safe_probability=0.4),
-    ]
+    found = takeovers(columns(drove, probability), np.array([0, 0, 1, 1]), fps=30)
+    assert found == [Takeover(0, 1, 2, 0, 2, 0.2, 0.1, 1), Takeover(1, 0, 1, 0, 2, 0.4, 0.2, 1)]
 
 
 def test_without_a_safety_policy_there_is_no_takeover() -> None:
     drove, unknown = np.ones(5, bool), np.full(5, np.nan)
-    assert takeovers(drove, unknown, np.zeros(5, np.int64), fps=10) == []
+    assert takeovers(columns(drove, unknown), np.zeros(5, np.int64), fps=10) == []
 
 
 @given(st.lists(FRAMES, min_size=1, max_size=80), st.sampled_from([1, 3, 10, 30]))
 def test_windows(frames: list[tuple[bool, float, int]], fps: int) -> None:
     drove, probability, steps = (np.array(column) for column in zip(*frames, strict=True))
     episode_index = np.cumsum(steps) - steps[0]
-    found = takeovers(drove, probability, episode_index, fps=fps)
+    found = takeovers(columns(drove, probability), episode_index, fps=fps)
     taken = drove & ~np.isnan(probability)
     seen = np.zeros(len(frames), int)
     for takeover in found:

@@ -3,6 +3,7 @@
 import re
 import subprocess
 import sys
+import tomllib
 from pathlib import Path
 
 import numpy as np
@@ -74,6 +75,17 @@ def test_the_list_of_commands_shows_each_with_a_whole_line(
     assert all(line.count("(") == line.count(")") for line in lines)
 
 
+def test_the_version_is_the_projects(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(sys, "argv", ["safedagger", "--version"])
+    with pytest.raises(SystemExit) as exit_:
+        cli.main()
+    assert exit_.value.code == 0
+    project = tomllib.loads((Path(__file__).parents[2] / "pyproject.toml").read_text())["project"]
+    assert capsys.readouterr().out == f"safedagger {project['version']}\n"
+
+
 @pytest.mark.parametrize(
     ("change", "named"),
     [
@@ -102,6 +114,24 @@ def test_collect_refuses_nonsense_in_one_line(
     assert len(error.strip().splitlines()) == 1
     assert named in error
     assert list(tmp_path.iterdir()) == []
+
+
+def test_why_drives_ended_is_said_of_a_dataset_and_of_its_episodes(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    from pipeline.data.dataset import Dataset
+    from pipeline.inspection.excerpts import whole_episodes
+
+    monkeypatch.chdir(tmp_path)
+    typed = flat(COLLECT | {"--seconds": "0.2", "--episodes": "2"})
+    monkeypatch.setattr(sys, "argv", ["safedagger", "collect", "D_0", *typed])
+    with pytest.raises(SystemExit):
+        cli.main()
+    assert capsys.readouterr().out == (
+        "D_0: 2 episodes, 6 frames, 6 queries; ended: out of time 2\n"
+    )
+    titles = [excerpt.title for excerpt in whole_episodes(Dataset.open(Path("D_0")))]
+    assert all(title.endswith("; ended: out of time") for title in titles)
 
 
 def test_an_output_that_exists_is_left_alone(
@@ -173,6 +203,50 @@ def test_missing_input_is_named_and_nothing_is_written(
     assert len(error.strip().splitlines()) == 1
     assert "missing" in error
     assert list(tmp_path.iterdir()) == []
+
+
+WRONG = """
+import sys
+from stages.__main__ import main
+for command in sys.argv[1].splitlines():
+    sys.argv[1:] = command.split()
+    try:
+        main()
+    except SystemExit as end:
+        assert end.code == 2
+print(*{module.split(".")[0] for module in sys.modules})
+"""
+
+
+def test_a_wrong_path_is_found_out_before_anything_heavy_is_imported(tmp_path: Path) -> None:
+    (tmp_path / "there").mkdir()
+    drives = " ".join(flat(DRIVES))
+    typed = (
+        "select missing out",
+        "merge there missing out",
+        "inspect missing",
+        "compare there missing",
+        f"collect there {drives}",
+        f"rollout there missing out --queries 1 --frames 1 {drives}",
+        "watch missing --strategy naive --seed 0",
+        "train-primary missing out",
+        "train-primary there there",
+        "train-safety there missing missing out",
+        "evaluate missing --metrics m --drives d",
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", WRONG, "\n".join(typed)],
+        cwd=tmp_path,
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    lines = done.stderr.splitlines()
+    assert len(lines) == len(typed)
+    assert all("'missing' does not exist" in line or " there: exists" in line for line in lines)
+    assert not (HEAVY - {"numpy"} | {"pyarrow", "pandas", "scipy", "rerun"}) & set(
+        done.stdout.split()
+    )
 
 
 def test_what_nobody_asked_is_selected_merged_and_counted(
@@ -293,16 +367,17 @@ def test_a_place_that_cannot_be_written_is_found_out_before_the_driving(
     capsys: pytest.CaptureFixture[str],
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    """The policies are missing, too: nobody looks for them yet."""
+    """The policies are no policies, too: nobody opens them yet."""
     monkeypatch.chdir(tmp_path)
+    Path("policy").mkdir()
     drives = {k: v for k, v in DRIVES.items() if "spread" not in k}
     places = {"--drives": "drives.csv", "--metrics": "metrics.json"} | {option: place}
     typed = drives | places | {"--laps": "1", "--starts": "1", "--strategies": "naive"}
-    code, error = run(capsys, monkeypatch, "evaluate", "missing", "missing", *flat(typed))
+    code, error = run(capsys, monkeypatch, "evaluate", "policy", "policy", *flat(typed))
     assert code == 2
     assert error.startswith(f"safedagger: {place}: ")
     assert len(error.splitlines()) == 1
-    assert list(tmp_path.iterdir()) == []
+    assert list(tmp_path.iterdir()) == [tmp_path / "policy"]
 
 
 def test_the_cut_of_a_rollout_is_its_safety_policys_own(

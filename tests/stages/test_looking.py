@@ -7,8 +7,10 @@ import numpy as np
 import pytest
 import torch
 
+from pipeline.data.dataset import Dataset
 from pipeline.driving.network import PrimaryNetwork
 from pipeline.driving.policy import PrimaryConfig, PrimaryPolicy
+from pipeline.inspection.excerpts import ranked_takeovers
 from pipeline.policies.loading import weights_sha256
 from pipeline.policies.network import SafetyNetwork
 from pipeline.policies.safety import SafetyConfig, SafetyPolicy
@@ -57,6 +59,9 @@ def run(monkeypatch: pytest.MonkeyPatch, *arguments: object) -> int:
         (["inspect", "a"], "a/episode_0000"),
         (["compare", "a", "b"], "yew/a_0/b_0"),
         (["watch", *WATCH, "--strategy", "reference"], "willow/reference/1"),
+        (["watch", *CAR], "willow/reference/0"),
+        (["watch", "primary", *CAR], "willow/naive/0"),
+        (["watch", "primary", "safety", *CAR], "willow/safe/0"),
         (["watch", "primary", "safety", *WATCH, "--strategy", "naive"], "willow/naive/1"),
         (["watch", "primary", *WATCH, "--strategy", "naive"], "willow/naive/1"),
         (["watch", "primary", *WATCH, "--strategy", "reference"], "willow/reference/1"),
@@ -90,6 +95,21 @@ def test_a_file_for_rerun(
         assert all(line.endswith("takeovers; ended: out of time") for line in before)
 
 
+def test_takeovers_are_listed_as_they_are_ranked(
+    made: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(made)
+    assert run(monkeypatch, "inspect", "a", "--unsafe", "--save", tmp_path / "x.rrd") == 0
+    *listed, size, _ = capsys.readouterr().out.splitlines()
+    expected = ranked_takeovers(Dataset.open(Path("a")))
+    assert listed == [f"{rank:04d}: {takeover}" for rank, takeover in enumerate(expected, 1)]
+    frames = sum(takeover.end - takeover.first for takeover in expected)
+    about = f"{len(expected)} recordings, {frames} frames: about "
+    assert size.startswith(about)
+    written = (tmp_path / "x.rrd").stat().st_size / 1e6
+    assert written / 2 < float(size.removeprefix(about).removesuffix(" MB")) < written * 2
+
+
 def test_driving_naively_needs_no_safety_policy(
     made: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -102,6 +122,9 @@ def test_driving_naively_needs_no_safety_policy(
         assert capsys.readouterr().out.endswith("0 takeovers; ended: out of time\n")
         typed = [*WATCH, *EVALUATE, drives, "--metrics", metrics, "--strategies", "naive"]
         assert run(monkeypatch, "evaluate", *policies, *typed) == 0
+        assert capsys.readouterr().out.endswith(
+            "0 of them by the reference; ended: out of time 2\n"
+        )
         shown[name] = [path.read_bytes() for path in (film, drives, metrics)]
     assert shown["with"] == shown["without"]
 
@@ -128,8 +151,10 @@ def test_each_side_is_driven_by_its_own_policies(
     ("typed", "named"),
     [
         (["inspect", "a", "--save", "x.rrd", "--web"], "exclude each other"),
+        (["inspect", "a", "--port", "9000"], "--port is where --web serves its page"),
         (["compare", "a", "b", "--drive", "1"], "no drive 1"),
         (["watch", *WATCH, "--strategy", "naive"], "strategy is naive, which needs a primary"),
+        (["watch", "primary", "--tracks", "oak"], "track 'oak': expected one of"),
         (
             ["watch", "primary", *WATCH, "--strategy", "safe"],
             "is safe, which needs a safety policy",

@@ -1,8 +1,6 @@
 """Algorithm 1 with a robot arm, by the commands that README and docs tell their readers to type."""
 
 import json
-import subprocess
-import sys
 from pathlib import Path
 
 import numpy as np
@@ -11,24 +9,11 @@ import pytest
 
 from pipeline.data.dataset import Dataset
 from pipeline.policies.loading import policy_lineage
-from tests.command import run
-from tests.test_readme import README, ROOT, commands
+from tests.command import typed
+from tests.test_readme import OWN, README, commands
 
 LOOP = commands(README, "Another robot, another policy")
-ACT = commands(
-    (ROOT / "docs/extending.md").read_text(),
-    "A primary to train, or one that LeRobot has trained",
-    ("safedagger", "lerobot-train"),
-)
-
-
-def type_(program: str, *words: str) -> None:
-    """Ours in this process, another by its script."""
-    if program == "safedagger":
-        assert run(*words) == 0, words
-    else:
-        script = Path(sys.executable).parent / program
-        subprocess.run([script, *words], check=True, capture_output=True)
+ACT = commands(OWN, "A policy that LeRobot trains")
 
 
 @pytest.fixture(scope="module")
@@ -38,7 +23,7 @@ def arm(tmp_path_factory: pytest.TempPathFactory) -> Path:
     with pytest.MonkeyPatch.context() as patch:
         patch.chdir(root)
         for command in (*LOOP, *ACT):
-            type_(*command)
+            typed(*command)
     return root / "arm"
 
 
