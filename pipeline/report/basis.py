@@ -1,10 +1,8 @@
 """What the report rests on, in sentences: what was asked, what was driven, and how to get it again."""
 
-from statistics import fmean
-
-from pipeline.evaluation.experiment import Experiment
+from pipeline.evaluation.drives import among
+from pipeline.evaluation.experiment import D_SAFE, Experiment
 from pipeline.evaluation.wording import count, seeds_in_words
-from pipeline.report import tables
 from pipeline.report.material import Material
 
 
@@ -14,19 +12,19 @@ def cost(material: Material) -> str:
     ours = experiment.ours
     run = ours if ours in experiment.runs else experiment.runs[0]
     last = experiment.iterations(run)[-1]
-    queries, driven, _, trained = tables.spent(experiment, run, last)
-    d_0 = fmean(step.ledger.queries for step in experiment.of(run, 0))
-    d_safe = fmean(ledger.queries for ledger in material.d_safe.values())
+    spent = among(experiment.spent, run=run, iteration=last)
+    first = among(experiment.ledgers, run=[run, D_SAFE], iteration=0)
+    before = first.groupby("run").queries.mean()
     # whether the reference drives or is only looked up, each frame's deviation is known
-    loop = [step.ledger for step in experiment.steps.values() if step.iteration]
-    in_rollouts = sum(ledger.frames_driven - ledger.queries for ledger in loop)
-    in_evaluation = int(material.driven.primary_frames.sum())
-    mean = ", on average" if len(experiment.of(run, last)) > 1 else ""
-    spent = [count(round(number)) for number in (queries, driven, d_0, d_safe, trained)]
+    loop = experiment.ledgers[experiment.ledgers.iteration > 0]
+    in_rollouts = (loop.frames_driven - loop.queries).sum()
+    in_evaluation = material.driven.primary_frames.sum()
+    mean = ", on average" if len(spent) > 1 else ""
     return (
-        f"**Cost.** The loop of {experiment.title(run)} asked {spent[0]} queries a seed{mean}, in {spent[1]} "
-        f"frames driven, after {spent[2]} queries for D_0 and {spent[3]} for D_safe; its last "
-        f"primary was trained on {spent[4]} frames. Only to measure, never to drive or to train, "
+        f"**Cost.** The loop of {experiment.title(run)} asked {count(spent.queries.mean())} queries a seed{mean}, in "
+        f"{count(spent.frames_driven.mean())} frames driven, after {count(before[run])} queries for D_0 and "
+        f"{count(before[D_SAFE])} for D_safe; its last primary was trained on "
+        f"{count(spent.frames_trained.mean())} frames. Only to measure, never to drive or to train, "
         f"the reference was asked in {count(in_rollouts)} frames of rollouts and "
         f"{count(in_evaluation)} of evaluation, all runs and seeds together."
     )

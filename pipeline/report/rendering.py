@@ -6,12 +6,12 @@ from dataclasses import dataclass
 from pipeline.claims.findings import MARGIN, PAIRS
 from pipeline.claims.verdicts import Verdict, verdicts
 from pipeline.driving.features import STANDSTILL
+from pipeline.driving.metrics import METRICS
 from pipeline.evaluation.experiment import Experiment
-from pipeline.evaluation.summary import LAPS
 from pipeline.evaluation.wording import table
-from pipeline.report import safety_tables, tables
+from pipeline.metric import shown
+from pipeline.report import tables
 from pipeline.report.basis import basis, certainty, cost
-from pipeline.report.endings import endings
 from pipeline.report.gaps import gaps
 from pipeline.report.headline import headline, standing
 from pipeline.report.limits import limits
@@ -19,7 +19,6 @@ from pipeline.report.material import Material
 from pipeline.report.runs import runs
 from pipeline.report.scratch import warm_or_scratch
 from pipeline.report.shortfalls import falls_short
-from pipeline.report.track_table import by_track
 
 
 @dataclass(frozen=True)
@@ -43,7 +42,7 @@ def render_report(material: Material, pictures: Pictures) -> str:
     sections = [
         "# SafeDAgger: the result",
         standing(judged),
-        headline(material),
+        headline(experiment),
         *_result(pictures),
         cost(material),
         basis(material),
@@ -51,7 +50,7 @@ def render_report(material: Material, pictures: Pictures) -> str:
         "**Runs.** Each begins with the same D_0, and with a supervised primary trained on it:",
         runs(experiment),
         "## Claims of the paper",
-        *_claims(judged),
+        *_claims(judged, tables.most_laps(experiment)),
         "## Over the iterations",
         "Bars are 95 % intervals. Over the iterations lines stand a little apart, so that equal ones "
         "stay visible; over queries and frames only their bars do. Panels in which nothing differs are named "
@@ -61,7 +60,7 @@ def render_report(material: Material, pictures: Pictures) -> str:
         *_numbers(material),
         "## Track by track, after the last iteration",
         "Each cell: without traffic / with traffic, over all starts and seeds.",
-        by_track(experiment),
+        tables.by_track(experiment),
         *_shortfalls(experiment),
         "## Pictures",
         *(_of_seeds(title, places) for title, places in pictures.by_seed.items() if places),
@@ -78,12 +77,12 @@ def _result(pictures: Pictures) -> Iterator[str]:
         yield f"![Naive laps against queries, and takeover]({pictures.result})"
 
 
-def _claims(judged: Sequence[Verdict]) -> Iterator[str]:
+def _claims(judged: Sequence[Verdict], laps: str) -> Iterator[str]:
     """What decides each, in a table, and all numbers below it."""
     yield (
         f"A comparison is of {PAIRS} pairs of drives or more, with equal seeds, tracks and starts. It "
         "is decided where the whole 95 % interval of the difference, in brackets, is on one side of "
-        f"0. But laps need not rise where all drives do {LAPS:g} in the end, and up to {MARGIN:g} laps "
+        f"0. But laps need not rise where all drives do {laps} in the end, and up to {MARGIN:g} laps "
         "count as none where it is asked who gets further, or as far. Surely and possibly are by the "
         "two ends of the interval."
     )
@@ -106,7 +105,7 @@ def _numbers(material: Material) -> Iterator[str]:
     yield "### Driving on the test tracks"
     yield (
         "Each cell: without traffic / with traffic, with 95 % intervals. Laps are the mean over "
-        f"the drives, {LAPS:g} at most, cut to two digits; their interquartile mean leaves out the best "
+        f"the drives, {tables.most_laps(experiment)} at most, cut to two digits; their interquartile mean leaves out the best "
         "and the worst quarter, and so shows what is usual. A drive is halted when it leaves the road, "
         f"has stood still for {STANDSTILL:g} s or is out of time. Damage is half the squared closing "
         "speed of each touch, in m²/s² per lap driven. The steering MSE is per frame that the primary "
@@ -114,13 +113,13 @@ def _numbers(material: Material) -> Iterator[str]:
         "is held until the next. Takeover is the share of the frames that the reference drove; a "
         "switch is a change of driver from one frame to the next, either way."
     )
-    first, *others = tables.STRATEGIES
+    first, *others = shown(METRICS, "tables")
     yield tables.driving(experiment, first)
     yield (
         "How the drives ended that did not do all laps, in counts. On the road they stopped because "
         "they stood still or were out of time. Rows in which all drives did all laps are left out."
     )
-    yield from endings(experiment)
+    yield from tables.endings(experiment)
     yield from (tables.driving(experiment, metric) for metric in others)
     yield "### What it cost"
     yield (
@@ -130,7 +129,7 @@ def _numbers(material: Material) -> Iterator[str]:
         "measure. Trained on is D_i: D_0 and all that was added so far; D_safe never trains a "
         "primary. Means over the seeds."
     )
-    yield tables.cost(material)
+    yield tables.cost(experiment)
     if any(experiment.specs[run].is_watched for run in experiment.runs):
         yield "### The safety policies"
         yield (
@@ -139,15 +138,15 @@ def _numbers(material: Material) -> Iterator[str]:
             "none. Means over the seeds. Truly unsafe is by the labels that it learned: a deviation above "
             "tau, now or one second ahead, or, where that counts, a wrong brake."
         )
-        yield safety_tables.safety(experiment)
-    if material.thresholds:
+        yield tables.safety(experiment)
+    if len(material.thresholds.drives):
         yield "### Other thresholds"
         yield (
             "The supervised primary under the safe strategy, with safety policies of several tau. "
             "Truly unsafe is the share of the held-out frames of D_safe that is so by their labels."
         )
-        yield safety_tables.thresholds(material.thresholds)
-    if material.scratch.steps:
+        yield tables.thresholds(material.thresholds)
+    if len(material.scratch.drives):
         yield "### Warm start or from scratch"
         yield warm_or_scratch(material.scratch)
     if material.errors:
@@ -157,14 +156,14 @@ def _numbers(material: Material) -> Iterator[str]:
             "drives like these that nobody trained on: the share of the frames that tau calls safe, "
             "and the tau under which as many of the held-out frames were safe as in the paper."
         )
-        yield safety_tables.errors(material.errors)
+        yield tables.errors(material.errors)
 
 
 def _shortfalls(experiment: Experiment) -> Iterator[str]:
     ours = experiment.ours
     if ours in experiment.runs:
         yield f"## Where {experiment.title(ours)} falls short"
-        yield falls_short(experiment.of(ours, experiment.iterations(ours)[-1]))
+        yield falls_short(experiment, ours)
         yield from filter(None, [limits(experiment, ours)])
 
 
