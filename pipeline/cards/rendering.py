@@ -7,11 +7,12 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-import jinja2
 from huggingface_hub import DatasetCardData, EvalResult, ModelCardData
+from jinja2 import Template
 
 from pipeline.driving.metrics import METRICS
-from pipeline.evaluation.wording import count, in_condition, share, written
+from pipeline.evaluation.templates import template
+from pipeline.evaluation.wording import in_condition
 from pipeline.metric import QUALITY, Metric, shown
 
 type Facts = Mapping[str, Any]
@@ -80,25 +81,9 @@ def typed(made: Facts) -> str:
     return " \\\n".join(lines)
 
 
-def _template(name: str) -> jinja2.Template:
-    environment = jinja2.Environment(
-        loader=jinja2.FileSystemLoader(Path(__file__).parent),
-        undefined=jinja2.StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-        keep_trailing_newline=True,
-        autoescape=False,  # it is no HTML
-    )
-    environment.filters |= {
-        "count": lambda value: count(value) if value is not None else "-",
-        "in_condition": in_condition,
-        "of": lambda part, whole: share(part / whole) if whole else "",
-        "setting": _setting,
-        "share": share,
-        "typed": typed,
-        "written": written,
-    }
-    return environment.get_template(f"{name}.md.j2")
+def _template(name: str) -> Template:
+    path = Path(__file__).with_name(f"{name}.md.j2")
+    return template(path, typed=typed, setting=_setting)
 
 
 def _setting(value: Any) -> str:
