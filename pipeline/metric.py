@@ -1,34 +1,113 @@
-"""What drives are measured by. A metric is said once: figures, tables, claims and cards ask here."""
+"""What is measured, said once: `evaluate`, DVC, tables, figures, claims and cards ask here."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Literal
+from typing import Final, Literal
 
 DRIVES = "drives"
 """A column of ones: over it, a ratio is the mean over the drives."""
+EVERYWHERE: Final = ("tables", "figures", "cards")
 
 
 @dataclass(frozen=True)
 class Metric:
-    """The ratio of the sums of two columns of a table of drives, and how it is written."""
+    """A statistic of one or two columns of a table, how it is written, and where it is shown."""
 
     title: str
     unit: str
     """as on an axis"""
-    form: Literal["rounded down", "share", "amount"]
+    form: Literal["rounded down", "share", "amount", "ratio", "count"]
     """a name of `evaluation.wording.FORMS`"""
     part: str
     whole: str = DRIVES
     """a drive in which it is 0 counts for nothing; where it is 0 in all, the metric is not defined"""
-    statistic: Literal["ratio of sums", "interquartile mean"] = "ratio of sums"
-    """the latter is of `part` alone"""
+    statistic: Literal["ratio of sums", "interquartile mean", "mean"] = "ratio of sums"
+    """the latter two are of `part` alone"""
+    most: str | None = None
+    """the task's setting that it cannot exceed"""
+    strategies: tuple[str, ...] = ("naive", "safe", "optimal")
+    """driving strategies that it tells something of; of no other there are tables"""
+    shown: tuple[Literal["tables", "figures", "cards", "dvc"], ...] = EVERYWHERE
+
+
+def shown(metrics: Mapping[str, Metric], where: str) -> dict[str, Metric]:
+    """Those of `metrics` that are shown in tables, figures, on cards or by `dvc metrics`."""
+    return {name: metric for name, metric in metrics.items() if where in metric.shown}
 
 
 DRIVEN: Mapping[str, Metric] = {
-    "deviation": Metric("Deviation", "epsilon", "amount", "deviation_sum", "primary_frames"),
-    "takeover": Metric("Takeover", "share of frames", "share", "takeover_frames", "frames"),
+    "deviation": Metric(
+        "Deviation",
+        "epsilon",
+        "amount",
+        "deviation_sum",
+        "primary_frames",
+        strategies=("naive", "safe"),
+        shown=(*EVERYWHERE, "dvc"),
+    ),
+    "takeover": Metric(
+        "Takeover",
+        "share of frames",
+        "share",
+        "takeover_frames",
+        "frames",
+        strategies=("safe", "optimal"),
+        shown=("tables", "cards", "dvc"),
+    ),
     "takeover_length": Metric(
-        "Frames of a takeover", "frames", "amount", "takeover_frames", "takeovers"
+        "Frames of a takeover",
+        "frames",
+        "amount",
+        "takeover_frames",
+        "takeovers",
+        strategies=("safe", "optimal"),
+        shown=("tables",),
     ),
 }
-"""Of all drives, whatever the task."""
+"""Of drives, whatever the task."""
+
+QUALITY: Mapping[str, Metric] = {
+    "auroc": Metric(
+        "AUROC", "probability", "ratio", "auroc", statistic="mean", shown=("tables", "cards", "dvc")
+    ),
+    "recall": Metric(
+        "Recall of unsafe",
+        "share of the unsafe",
+        "share",
+        "recall",
+        statistic="mean",
+        shown=("tables", "cards", "dvc"),
+    ),
+    "precision": Metric(
+        "Precision of unsafe", "share of those called so", "share", "precision", statistic="mean"
+    ),
+    "share_unsafe": Metric(
+        "Truly unsafe", "share of frames", "share", "share_unsafe", statistic="mean"
+    ),
+    "share_predicted_unsafe": Metric(
+        "Called unsafe", "share of frames", "share", "share_predicted_unsafe", statistic="mean"
+    ),
+}
+"""Of a safety policy, in the order of `learning.quality`: how well it finds what is unsafe."""
+
+SPENT: Mapping[str, Metric] = {
+    "queries": Metric(
+        "Queries so far",
+        "queries of the loop so far",
+        "count",
+        "queries",
+        statistic="mean",
+        shown=("tables", "figures", "dvc"),
+    ),
+    "labels": Metric("Labels in all", "labels", "count", "labels", statistic="mean"),
+    "frames_driven": Metric(
+        "Frames driven so far", "frames", "count", "frames_driven", statistic="mean"
+    ),
+    "takeover": Metric(
+        "Of them by the reference", "share of frames", "share", "takeover", statistic="mean"
+    ),
+    "frames_trained": Metric(
+        "Frames trained on", "frames trained on", "count", "frames_trained", statistic="mean"
+    ),
+}
+"""Of a loop up to an iteration: what it cost."""

@@ -41,7 +41,7 @@ def evaluate(
     from pipeline.evaluation.drives import table, write_drives
     from pipeline.evaluation.driving import evaluate as evaluate_drive
     from pipeline.evaluation.driving import trials
-    from pipeline.evaluation.summary import summarise
+    from pipeline.evaluation.summary import headline
     from pipeline.evaluation.writing import write_metrics
     from pipeline.output import check_place
     from pipeline.policies.computing import find_device, processor
@@ -69,8 +69,11 @@ def evaluate(
         processor=processor(),
     )
     write_drives(drives, driven)
-    about = {"name": task.name, **asdict(task)}
-    write_metrics(metrics, {"task": about, **summarise(driven, task.metrics)})
+    settings = [
+        {"condition": condition, "name": task.name, **asdict(there)}
+        for condition, there in task.conditions.items()
+    ]
+    write_metrics(metrics, {**headline(driven, task.metrics), "rows": settings})
     typer.echo(
         f"{metrics}: {len(driven)} drives, {driven.frames.sum()} frames, "
         f"{driven.takeover_frames.sum()} of them by the reference; {options.endings(driven.ended)}"

@@ -24,10 +24,11 @@ def ledger(
     """
     from pipeline.data.dataset import Dataset
     from pipeline.data.ledger import count
-    from pipeline.evaluation.writing import write_metrics
+    from pipeline.evaluation.writing import write_rows
+    from pipeline.metric import SPENT
     from pipeline.output import check_place
 
     check_place(metrics)
     counted = count(Dataset.open(raw), Dataset.open(aggregate))
-    write_metrics(metrics, counted.to_dict())
-    typer.echo(f"{metrics}: {options.figures(counted.to_dict())}")
+    write_rows(metrics, counted, SPENT)
+    typer.echo(f"{metrics}: {options.figures(counted)}")

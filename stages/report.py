@@ -27,6 +27,7 @@ def report(
 ) -> None:
     """Write the report: verdicts, figures, every number."""
     from pipeline.driving.tracks import TEST, TRAINING
+    from pipeline.evaluation.experiment import STEP
     from pipeline.inspection.canvas import png
     from pipeline.inspection.tracks import track_sheet
     from pipeline.output import check_place, write_file
@@ -67,7 +68,7 @@ def report(
         write_file(paths[name], picture)
     write_file(output, text.encode())
     typer.echo(
-        f"{output}: {len(material.experiment.steps)} steps, {len(pngs)} figures in {figures}"
+        f"{output}: {len(material.experiment.drives.groupby(STEP[:3]))} steps, {len(pngs)} figures in {figures}"
     )
 
 

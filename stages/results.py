@@ -18,7 +18,7 @@ def results(
     from rich.console import Console
     from rich.table import Table
 
-    from pipeline.evaluation.experiment import read_experiment
+    from pipeline.evaluation.reading import read_experiment
     from pipeline.report.overview import HEADER, overview
 
     experiment = read_experiment(metrics)

@@ -43,9 +43,10 @@ def rollout(
     import numpy as np
 
     from pipeline.data.lineage import Recipe
-    from pipeline.evaluation.writing import write_metrics
+    from pipeline.evaluation.writing import write_rows
     from pipeline.learning.labels import LabelRule
     from pipeline.learning.quality import detection_quality
+    from pipeline.metric import QUALITY
     from pipeline.output import check_place
     from pipeline.policies.computing import find_device
     from pipeline.policies.inference import Driver
@@ -103,5 +104,5 @@ def rollout(
         np.concatenate(probabilities), np.concatenate(deviations), tau, judgement.cut
     )
     if metrics:
-        write_metrics(metrics, {"tau": tau, "rollout": quality})
+        write_rows(metrics, {"tau": tau, **quality}, QUALITY)
     typer.echo(f"{summary}; {options.figures(quality)}")

@@ -41,12 +41,13 @@ def train_safety(
     from pipeline.data.dataset import Dataset
     from pipeline.data.identity import refuse_shared
     from pipeline.data.lineage import Recipe
-    from pipeline.evaluation.writing import write_metrics
+    from pipeline.evaluation.writing import write_rows
     from pipeline.learning.labels import LabelRule, safe_labels
     from pipeline.learning.quality import detection_quality
     from pipeline.learning.safety import held_out_episodes, judge
     from pipeline.learning.training import safe_probabilities
     from pipeline.learning.training import train_safety as train
+    from pipeline.metric import QUALITY
     from pipeline.output import check_place, new_directory
     from pipeline.policies.computing import find_device
     from pipeline.policies.loading import load_primary, policy_lineage, weights_sha256
@@ -94,7 +95,7 @@ def train_safety(
         probabilities = safe_probabilities(safety, measured.features)
         quality = detection_quality(probabilities, measured.deviation, settings.tau, settings.cut)
     if metrics:
-        write_metrics(metrics, {"tau": settings.tau, "held_out": quality})
+        write_rows(metrics, {"tau": settings.tau, **quality}, QUALITY)
     typer.echo(
         f"{output}: trained on {len(shown.deviation)} frames; held out: {options.figures(quality)}"
     )

@@ -6,6 +6,7 @@ from typing import Any
 import pytest
 import typer
 import yaml
+from dvc.utils.hydra import apply_overrides
 
 from pipeline.driving.network import PrimaryNetwork
 from pipeline.driving.task import Driving
@@ -16,6 +17,15 @@ from stages import parameters
 
 ROOT = Path(__file__).parent.parent
 FILES = ["params.yaml", "scales/experiment.yaml", "scales/paper.yaml"]
+
+
+def test_an_experiment_changes_only_its_line(tmp_path: Path) -> None:
+    """`dvc exp run -S seed=1` writes the file anew: all else has to be as DVC would write it."""
+    before = (ROOT / "params.yaml").read_text()
+    (tmp_path / "params.yaml").write_text(before)
+    apply_overrides(tmp_path / "params.yaml", ["seed=1"])
+    after = (tmp_path / "params.yaml").read_text()
+    assert after == before.replace("\nseed: 0\n", "\nseed: 1\n") != before
 
 
 def read(name: str) -> dict[str, Any]:

@@ -40,12 +40,14 @@ class Catalogue:
         """The policy whose weights these are, if it is one that is here."""
         return next((path for path, each in self.models.items() if each.sha256 == sha256), None)
 
-    def link(self, made: Lineage, card_of: Lineage) -> str:
-        """In markdown, from the card of `card_of` to the card of `made`; its purpose if it has none."""
+    def link(self, made: Lineage, card_of: Lineage) -> dict[str, str | None]:
+        """What the card of `card_of` says of `made`: its name, its card and its sha256; its purpose
+        and no card if it is not here.
+        """
         card = self._cards.get(made.sha256)
-        if card is None:
-            return f"`{made.own.purpose}` {made.sha256[:8]}"
-        return f"[{card.stem}]({_seen_from(self._cards[card_of.sha256].parent, card)})"
+        seen = _seen_from(self._cards[card_of.sha256].parent, card) if card else None
+        name = card.stem if card else made.own.purpose
+        return {"name": name, "card": seen, "sha256": made.sha256}
 
 
 def place(path: Path) -> str:

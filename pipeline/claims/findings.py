@@ -10,7 +10,6 @@ from dataclasses import dataclass, replace
 from pipeline.driving.metrics import METRICS
 from pipeline.evaluation.comparison import Cell, Contrast, contrast
 from pipeline.evaluation.experiment import Experiment
-from pipeline.evaluation.summary import LAPS
 from pipeline.evaluation.wording import FORMS, interval
 
 MARGIN = 0.1
@@ -49,8 +48,8 @@ def falls(found: Contrast) -> bool | None:
 
 
 def rises_or_is_full(found: Contrast) -> bool | None:
-    """Of laps: rises, or all LAPS are done in every drive."""
-    return found.value >= LAPS or rises(found)
+    """Rises, or is what it can be at most in every drive."""
+    return found.value >= found.most or rises(found)
 
 
 def exceeds(found: Contrast) -> bool | None:
@@ -82,20 +81,29 @@ def all_of(findings: Iterable[Finding]) -> Finding:
     )
 
 
-def compare(
-    experiment: Experiment, words: str, metric: str, cell: Cell, baseline: Cell, judge: Judge
-) -> Finding:
-    """A metric in a cell against another, as the judge says; open where PAIRS are not there."""
-    found = contrast(experiment, metric, cell, baseline)
+@dataclass(frozen=True)
+class Row:
+    """A comparison: a metric in a cell against another, and who says what comes of it."""
+
+    words: str
+    metric: str
+    cell: Cell
+    baseline: Cell
+    judge: Judge
+
+
+def compare(experiment: Experiment, row: Row) -> Finding:
+    """As its judge says; open where PAIRS are not there."""
+    found = contrast(experiment, row.metric, row.cell, row.baseline)
     if found is None:
-        return unknown(f"{words}: not measured")
-    form = FORMS[METRICS[metric].form]
+        return unknown(f"{row.words}: not measured")
+    form = FORMS[METRICS[row.metric].form]
     gap = found.difference
     enough = gap.count >= PAIRS
-    values = f"{words}: {form.value(found.value)} against {form.value(found.baseline)}"
+    values = f"{row.words}: {form.value(found.value)} against {form.value(found.baseline)}"
     difference = interval(gap, form.difference)
     return Finding(
-        judge(found) if enough else None,
+        row.judge(found) if enough else None,
         f"{values} ({difference})",
         f"{values} ({difference}, {gap.count} pairs{'' if enough else ': too few'})",
     )

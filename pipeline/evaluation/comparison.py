@@ -4,6 +4,7 @@ What is resampled is a *situation*: a seed, a test track and a start. Policies t
 meet the same situations.
 """
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -12,7 +13,7 @@ import pandas as pd
 from pipeline.driving.metrics import METRICS
 from pipeline.evaluation import statistics
 from pipeline.evaluation.drives import SITUATION
-from pipeline.evaluation.experiment import Experiment
+from pipeline.evaluation.experiment import Tables
 from pipeline.evaluation.statistics import Estimate, interquartile_mean, ratio_of_sums
 from pipeline.metric import Metric
 from pipeline.rollout.strategies import Strategy
@@ -39,7 +40,7 @@ class Cell:
     iterations: tuple[int, ...]
     strategy: Strategy
     conditions: tuple[str, ...]
-    """of CONDITIONS"""
+    """of the experiment's"""
 
 
 @dataclass(frozen=True)
@@ -50,9 +51,11 @@ class Contrast:
     baseline: float
     difference: Estimate
     """`value` minus `baseline`, paired"""
+    most: float = math.inf
+    """what the metric can be at most"""
 
 
-def estimate(experiment: Experiment, metric: str, cell: Cell) -> Estimate | None:
+def estimate(experiment: Tables, metric: str, cell: Cell) -> Estimate | None:
     """One of METRICS in a cell; None where there are no such drives or it is not defined.
 
     Raises:
@@ -69,7 +72,7 @@ def estimate(experiment: Experiment, metric: str, cell: Cell) -> Estimate | None
     )
 
 
-def contrast(experiment: Experiment, metric: str, cell: Cell, baseline: Cell) -> Contrast | None:
+def contrast(experiment: Tables, metric: str, cell: Cell, baseline: Cell) -> Contrast | None:
     """One of METRICS in a cell against another; None where they share no situation or it is not
     defined.
 
@@ -89,12 +92,12 @@ def contrast(experiment: Experiment, metric: str, cell: Cell, baseline: Cell) ->
         return None
     once = np.ones((1, len(shared)), dtype=int)
     value, against = (float(statistic(each, once)[0]) for each in (columns, others))
-    return Contrast(value, against, difference)
+    return Contrast(value, against, difference, experiment.most(METRICS[metric]))
 
 
-def _columns(experiment: Experiment, metric: Metric, cell: Cell) -> pd.DataFrame:
+def _columns(experiment: Tables, metric: Metric, cell: Cell) -> pd.DataFrame:
     """What the metric takes of each situation, in order: means over the iterations and conditions."""
-    if not experiment.steps:
+    if experiment.drives.empty:
         return pd.DataFrame()
     found = experiment.among(
         run=cell.run,

@@ -1,73 +1,105 @@
-"""What an experiment has come to: every training strategy, iteration and seed, from its metrics."""
+"""What an experiment has come to, as tables: every training strategy, iteration and seed."""
 
-import re
-from collections.abc import Collection, Iterable, Iterator, Mapping
-from dataclasses import dataclass
+import math
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, field, replace
 from functools import cached_property
-from pathlib import Path
+from statistics import fmean
 from typing import Any, Self
 
 import pandas as pd
 
-from pipeline.data.ledger import Ledger
-from pipeline.evaluation.drives import among, read_drives
-from pipeline.evaluation.metrics_file import MetricsFile, SafetyQuality
-from pipeline.runs import BESIDE, FIRST, Comparison, Run
+from pipeline.evaluation.drives import among
+from pipeline.metric import Metric
+from pipeline.runs import Run
 
-RUNS_FILE = "runs.json"
-"""In the folder of a seed: what its runs were told, as `safedagger runs` writes it."""
-
-_DRIVES = re.compile(r"drives_(?:(?P<run>[a-z_]+)_)?(?P<iteration>\d+)\.csv")
-_SEED = re.compile(r"seed_(?P<seed>\d+)")
-
-
-@dataclass(frozen=True, eq=False)
-class Step:
-    """One iteration of one run on one seed."""
-
-    seed: int
-    run: str
-    """one of the experiment's"""
-    iteration: int
-    """0 is the supervised stage, which the runs of a seed share"""
-    name: str
-    """of its files, `dagger_2` say: two steps of a seed with one name are the same drives"""
-    drives: pd.DataFrame
-    """on the test tracks, with every driving strategy: see `evaluation.drives`"""
-    ledger: Ledger
-    """what this iteration cost; that of D_0 in iteration 0, which is outside the loop"""
-    tau: float
-    """of its safety policy"""
-    held_out: SafetyQuality
-    """of its safety policy, on frames of D_safe, which the reference drove"""
-    next_rollout: SafetyQuality | None
-    """on what it met in collecting for the next iteration; None where it did not"""
+STEP = ["seed", "run", "iteration", "step"]
+"""Columns of all tables: one iteration of one run on one seed, and what its files are called. Two
+steps of a seed with one name are the same: runs share iteration 0, the supervised stage.
+"""
+D_SAFE = "D_safe"
+"""Stands in the place of a run in the ledger of what that cost."""
+HELD_OUT, ROLLOUT = "held_out", "rollout"
+"""What a safety policy was judged on: frames of D_safe, which the reference drove; what it met in
+collecting for the next iteration, which it decided about.
+"""
 
 
-@dataclass(frozen=True, eq=False)
-class Experiment:
-    """All steps, by (seed, run, iteration), and what the runs are."""
+def _no_steps() -> pd.DataFrame:
+    return pd.DataFrame(columns=STEP)
 
-    steps: Mapping[tuple[int, str, int], Step]
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Tables:
+    """Some steps, each table with STEP and a row for each ..."""
+
+    drives: pd.DataFrame = field(default_factory=_no_steps)
+    """... drive on the test tracks, by every driving strategy: see `evaluation.drives`; "task.<name>"
+    is what the task was set to"""
+    ledgers: pd.DataFrame = field(default_factory=_no_steps)
+    """... step: what this iteration cost, see `files.Ledger`; that of D_0 in iteration 0, which is
+    outside the loop"""
+    quality: pd.DataFrame = field(default_factory=_no_steps)
+    """... thing that its safety policy was judged on ("judged_on": HELD_OUT, ROLLOUT), see
+    `files.Quality`"""
+
+    @property
+    def seeds(self) -> list[int]:
+        """Every seed with any drives, ascending."""
+        return sorted(self.drives.seed.unique().tolist())
+
+    @property
+    def conditions(self) -> list[str]:
+        """All that were driven in, in their order."""
+        return self.drives.condition.unique().tolist() if len(self.drives) else []
+
+    def most(self, metric: Metric) -> float:
+        """What the metric can be at most, as the task was set; infinity where nothing says so."""
+        column = f"task.{metric.most}"
+        told = self.drives[column].dropna() if column in self.drives else ()
+        return float(max(told, default=math.inf))
+
+    def iterations(self, run: str) -> list[int]:
+        """The iterations that a run has on any seed, ascending."""
+        return sorted(self.drives.iteration[self.drives.run == run].unique().tolist())
+
+    def seeds_of(self, run: str, iteration: int) -> list[int]:
+        """The seeds that have a run's iteration, ascending."""
+        return sorted(self.among(run=run, iteration=iteration).seed.unique().tolist())
+
+    def among(self, **values: Any) -> pd.DataFrame:
+        """The drives of which these columns have these values; of a list or tuple, one of them."""
+        return among(self.drives, **values)
+
+    def keeping(self, keep: Callable[[pd.DataFrame], "pd.Series[bool]"]) -> Self:
+        """The same with those rows alone that `keep` says of a table, by its STEP."""
+        tables = {name: getattr(self, name) for name in ("drives", "ledgers", "quality")}
+        return replace(self, **{name: table[keep(table)] for name, table in tables.items()})
+
+    @staticmethod
+    def joined(parts: Iterable["Tables"]) -> "Tables":
+        """All rows of all parts, by seed, run and iteration."""
+        found = list(parts)
+        return Tables(
+            drives=_sorted(part.drives for part in found),
+            ledgers=_sorted(part.ledgers for part in found),
+            quality=_sorted(part.quality for part in found),
+        )
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Experiment(Tables):
+    """All steps, and what the runs are."""
+
     specs: Mapping[str, Run]
     """of each run that is compared, in the order of the report"""
     left_out: tuple[str, ...] = ()
     """a sentence for each thing that was measured and does not belong to the rest"""
 
-    @cached_property
-    def drives(self) -> pd.DataFrame:
-        """Those of all steps, with "seed", "run" and "iteration", and "step", its name."""
-        return all_drives(self.steps.values())
-
-    @property
-    def seeds(self) -> list[int]:
-        """Every seed with any results, ascending."""
-        return sorted({seed for seed, _, _ in self.steps})
-
     @property
     def runs(self) -> list[str]:
         """Every run that has a result."""
-        present = {run for _, run, _ in self.steps}
+        present = set(self.drives.run)
         return [run for run in self.specs if run in present]
 
     @property
@@ -95,149 +127,42 @@ class Experiment:
         """Its name in the report."""
         return self.specs[run].name
 
-    def only(self, seeds: Collection[int]) -> Self:
-        """The same of these seeds alone."""
-        steps = {key: step for key, step in self.steps.items() if key[0] in seeds}
-        return type(self)(steps, self.specs, self.left_out)
-
-    def of(self, run: str, iteration: int) -> list[Step]:
-        """The steps of a run's iteration, one for each seed that has it, by seed."""
-        keys = ((seed, run, iteration) for seed in self.seeds)
-        return [self.steps[key] for key in keys if key in self.steps]
-
-    def iterations(self, run: str) -> list[int]:
-        """The iterations that a run has on any seed, ascending."""
-        return sorted({iteration for _, name, iteration in self.steps if name == run})
-
-    def among(self, **values: Any) -> pd.DataFrame:
-        """The drives of which these columns have these values; of a list or tuple, one of them."""
-        return among(self.drives, **values)
-
-    def queries(self, seed: int, run: str, iteration: int) -> int:
-        """Queries of the loop up to and with this iteration; D_0's and D_safe's are not of the loop."""
-        return sum(
-            self.steps[seed, run, number].ledger.queries for number in range(1, iteration + 1)
+    @cached_property
+    def spent(self) -> pd.DataFrame:
+        """What each step has cost so far: the ledgers, with queries and frames driven and selected
+        summed over the loop, which D_0 is outside of; "takeover" as the share of these frames; and
+        "labels", queries in all: D_0's, the loop's and, where the loop needs a safety policy,
+        D_safe's. Of other runs the safety policies exist only to measure.
+        """
+        rows = self.ledgers.sort_values(STEP[:3], ignore_index=True)
+        d_safe = rows[rows.run == D_SAFE].set_index("seed").queries
+        d_0 = rows[rows.iteration == 0].set_index(["seed", "run"]).queries
+        summed = rows[["queries", "frames_driven", "frames_selected"]].assign(
+            by_reference=rows.takeover * rows.frames_driven
+        )
+        so_far = (summed.mul(rows.iteration > 0, axis=0)).groupby([rows.seed, rows.run]).cumsum()
+        first = pd.MultiIndex.from_frame(rows[["seed", "run"]])
+        watched = rows.run.map(lambda run: run in self.specs and self.specs[run].is_watched)
+        return rows.assign(
+            queries=so_far.queries,
+            frames_driven=so_far.frames_driven,
+            frames_selected=so_far.frames_selected,
+            takeover=so_far.by_reference / so_far.frames_driven,
+            labels=d_0.reindex(first).to_numpy()
+            + so_far.queries
+            + d_safe.reindex(rows.seed).to_numpy() * watched,
         )
 
 
-def all_drives(steps: Iterable[Step]) -> pd.DataFrame:
-    """The drives of some steps as one table, by seed, run and iteration."""
-    tables = [
-        step.drives.assign(seed=step.seed, run=step.run, iteration=step.iteration, step=step.name)
-        for step in sorted(steps, key=lambda step: (step.seed, step.run, step.iteration))
-    ]
-    return pd.concat(tables, ignore_index=True) if tables else pd.DataFrame()
+def mean(table: pd.DataFrame, metric: Metric, **values: Any) -> float | None:
+    """Of the rows of a table whose columns have these values; None where it is known of none."""
+    known = among(table, **values)[metric.part].dropna() if len(table) else ()
+    return fmean(known) if len(known) else None
 
 
-def read_experiment(metrics: Path) -> Experiment:
-    """Read every seed and run that `metrics` has: seed_<n>/drives_<run>_<i>.csv and its companions.
-
-    A run's iteration 0 is the seed's own, unless the run has files of its own for it. What does not
-    belong together is left out: on a seed, runs that began with another primary than SafeDAgger's;
-    and on all but the first seed that has a run, what was told to do something else.
-
-    Raises:
-        ValueError: there is none, a file does not hold what it should, or there are drives of a run
-            that nobody knows.
-        FileNotFoundError: a companion of a file of drives is missing, or an iteration before it.
-    """
-    folders = {
-        int(named["seed"]): folder
-        for folder in sorted(metrics.glob("seed_*"))
-        if (named := _SEED.fullmatch(folder.name)) and any(folder.glob("drives_*.csv"))
-    }
-    if not folders:
-        raise ValueError(f"{metrics}: no seed_<n>/drives_<run>_<i>.csv, expected some")
-    told = {seed: _told(folders[seed] / RUNS_FILE) for seed in sorted(folders)}
-    specs: dict[str, Run] = {}
-    for runs in told.values():
-        specs = {**specs, **{name: run for name, run in runs.items() if name not in specs}}
-    steps: dict[tuple[int, str, int], Step] = {}
-    left_out = []
-    for seed, runs in told.items():
-        for run, iterations in _iterations(folders[seed], specs).items():
-            if runs.get(run, specs[run]).told == specs[run].told:
-                for step in _steps(folders[seed], seed, run, iterations, specs[run].is_watched):
-                    steps[seed, run, step.iteration] = step
-            else:
-                left_out.append(
-                    f"{specs[run].name}, seed {seed}: told something else than elsewhere."
-                )
-    found = Experiment(steps, specs, tuple(left_out))
-    if not steps:
-        raise ValueError(f"{metrics}: no drives of a loop, expected some of {', '.join(specs)}")
-    return _belonging_together(found)
-
-
-def _told(path: Path) -> dict[str, Run]:
-    """What a seed's runs were told."""
-    return dict(Comparison.of(MetricsFile(path).content).runs)
-
-
-def _iterations(folder: Path, specs: Mapping[str, Run]) -> dict[str, list[int]]:
-    """Of each run that is there: which have files of their own."""
-    named = [match for file in folder.iterdir() if (match := _DRIVES.fullmatch(file.name))]
-    found = {(match["run"], int(match["iteration"])) for match in named if match["run"]}
-    unknown = sorted({run for run, _ in found} - {*specs, *BESIDE})
-    if unknown:
-        known = ", ".join(specs)
-        raise ValueError(f"{folder}: drives of a run {unknown[0]!r}, expected one of {known}")
-    own = {run: [i for name, i in sorted(found) if name == run] for run in specs}
-    return {run: iterations for run, iterations in own.items() if any(iterations)}
-
-
-def _steps(
-    folder: Path, seed: int, run: str, iterations: list[int], is_watched: bool
-) -> Iterator[Step]:
-    """Of one run."""
-    start = f"{run}_0" if 0 in iterations else FIRST
-    names = [start, *(f"{run}_{i}" for i in range(1, max(iterations) + 1))]
-    followers = [*names[1:], None] if is_watched else [None] * len(names)
-    for iteration, (name, follower) in enumerate(zip(names, followers, strict=True)):
-        yield read_step(folder, seed, run, iteration, name, follower)
-
-
-def _belonging_together(found: Experiment) -> Experiment:
-    """Without runs that began with another primary than SafeDAgger's of their seed."""
-    left_out = list(found.left_out)
-    steps = dict(found.steps)
-    for seed in found.seeds:
-        begun = found.among(seed=seed).groupby("run").begun_with.unique().map(set)
-        ours = begun.get(found.ours, begun.iloc[0])
-        for run in found.runs:
-            if run in begun and begun[run] != ours:
-                left_out.append(f"{found.title(run)}, seed {seed}: began with another primary.")
-                steps = {key: step for key, step in steps.items() if key[:2] != (seed, run)}
-    return Experiment(steps, found.specs, tuple(left_out))
-
-
-def read_step(
-    folder: Path, seed: int, run: str, iteration: int, name: str, follower: str | None = None
-) -> Step:
-    """The step whose files in `folder` are called `name`.
-
-    Args:
-        follower: the step whose rollout its policies drove; None where there is none.
-
-    Raises:
-        ValueError: a file does not hold what it should.
-        FileNotFoundError: one is missing.
-    """
-    ledger = f"ledger_D_{name}.json" if iteration else "ledger_D_0.json"
-    safety = MetricsFile(folder / f"safety_{name}.json")
-    rollout = (
-        MetricsFile(folder / f"rollout_{follower}.json").record(SafetyQuality, "rollout")
-        if follower
-        else None
-    )
-    return Step(
-        seed=seed,
-        run=run,
-        iteration=iteration,
-        name=name,
-        drives=read_drives(folder / f"drives_{name}.csv"),
-        ledger=MetricsFile(folder / ledger).record(Ledger),
-        tau=safety.number("tau"),
-        held_out=safety.record(SafetyQuality, "held_out"),
-        next_rollout=rollout,
-    )
+def _sorted(tables: Iterable[pd.DataFrame]) -> pd.DataFrame:
+    filled = [table for table in tables if len(table)]
+    if not filled:
+        return _no_steps()
+    joined = pd.concat(filled, ignore_index=True)
+    return joined.sort_values(STEP[:3], kind="stable", ignore_index=True)

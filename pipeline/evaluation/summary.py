@@ -1,59 +1,39 @@
-"""From evaluated drives to the metrics of Sec. 4.4, for JSON and `dvc metrics`."""
+"""From evaluated drives to the metrics of Sec. 4.4."""
 
 import math
 from collections.abc import Mapping
 
 import pandas as pd
 
-from pipeline.metric import Metric
-
-LAPS = 3.0
-"""A drive is halted after so many laps (Sec. 4.4)."""
-CONDITIONS = ("no_traffic", "traffic")
-"""Of the car."""
-
-type Performance = dict[str, float | None]
-"""By the names of the metrics that are ratios, and of "drives", "frames" and "measuring_queries",
-the frames in which the reference was looked up; None where there is nothing to divide by."""
+from pipeline.metric import Metric, shown
 
 
-def measure(drives: pd.DataFrame, metrics: Mapping[str, Metric]) -> Performance:
-    """The metrics of some drives, of one strategy and condition; their order does not matter.
+def measure(drives: pd.DataFrame, metrics: Mapping[str, Metric]) -> dict[str, float | None]:
+    """The metrics that are ratios, of some drives, whose order does not matter; None where there is
+    nothing to divide by.
 
     Raises:
         ValueError: no drives.
     """
     if drives.empty:
         raise ValueError("there are no drives, expected at least one")
-    ratios = {
-        name: _ratio(drives, metric)
-        for name, metric in metrics.items()
-        if metric.statistic == "ratio of sums"
-    }
-    return {
-        **ratios,
-        "drives": len(drives),
-        "frames": int(drives.frames.sum()),
-        "measuring_queries": int(drives.primary_frames[drives.deviation_sum.notna()].sum()),
-    }
+    ratios = {n: each for n, each in metrics.items() if each.statistic == "ratio of sums"}
+    return {name: _ratio(drives, metric) for name, metric in ratios.items()}
 
 
-def summarise(
+def headline(
     drives: pd.DataFrame, metrics: Mapping[str, Metric]
-) -> dict[str, dict[str, Performance]]:
-    """The metrics by strategy and condition: {"naive": {"no_traffic": {"laps": ...}}}.
-
-    Raises:
-        ValueError: no drives.
+) -> dict[str, dict[str, float | None]]:
+    """What `dvc metrics` shows of drives, over all conditions: {"naive": {"laps": ...}}. Of policies
+    only: the optimal strategy is none that one could have.
     """
-    if drives.empty:
-        raise ValueError("there are no drives, expected at least one")
     return {
-        str(strategy): {
-            str(condition): measure(group, metrics)
-            for condition, group in driven.groupby("condition")
-        }
-        for strategy, driven in drives.groupby("strategy")
+        strategy: measure(
+            drives[drives.strategy == strategy],
+            {n: each for n, each in shown(metrics, "dvc").items() if strategy in each.strategies},
+        )
+        for strategy in ("naive", "safe")
+        if strategy in set(drives.strategy)
     }
 
 

@@ -1,60 +1,62 @@
 """Numbers as they stand in the report."""
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 
+from pipeline.driving.metrics import CONDITIONS
 from pipeline.evaluation.statistics import Estimate
+from pipeline.metric import Metric
 
 NOTHING = "-"
 """stands where there is no number"""
-CONDITION_WORDS = {"no_traffic": "without traffic", "traffic": "with traffic"}
 
 
-def laps(value: float | None) -> str:
-    """Rounded down, so that 2.999 laps do not read as three."""
-    return NOTHING if value is None else f"{math.floor(100 * value + 1e-6) / 100:.2f}"
-
-
-def share(value: float | None) -> str:
-    """Per cent, with one decimal."""
-    return NOTHING if value is None else f"{100 * value:.1f} %"
-
-
-def amount(value: float | None) -> str:
-    """Three significant digits: damage per lap, steering MSE."""
-    if value is None:
-        return NOTHING
-    return f"{value:.3g}" if value < 1000 else f"{value:,.0f}"
-
-
-def ratio(value: float | None) -> str:
-    """Two decimals: AUROC."""
-    return NOTHING if value is None else f"{value:.2f}"
-
-
-def count(value: int) -> str:
-    """With thousands apart."""
-    return f"{value:,}"
+def _written(form: Callable[[float], str]) -> Callable[[float | None], str]:
+    return lambda value: NOTHING if value is None or math.isnan(value) else form(value)
 
 
 @dataclass(frozen=True)
 class Form:
-    """How a metric is written."""
+    """How a metric is written: None and NaN as NOTHING."""
 
     value: Callable[[float | None], str]
     difference: Callable[[float], str]
 
 
 FORMS = {
-    "rounded down": Form(laps, "{:+z.2f}".format),
-    "share": Form(share, lambda gap: f"{100 * gap:+z.1f}"),
-    "amount": Form(amount, "{:+z.2g}".format),
+    # so that 2.999 laps do not read as three
+    "rounded down": Form(
+        _written(lambda value: f"{math.floor(100 * value + 1e-6) / 100:.2f}"), "{:+z.2f}".format
+    ),
+    "share": Form(_written(lambda value: f"{100 * value:.1f} %"), lambda gap: f"{100 * gap:+z.1f}"),
+    "amount": Form(
+        _written(lambda value: f"{value:.3g}" if value < 1000 else f"{value:,.0f}"),
+        "{:+z.2g}".format,
+    ),
+    "ratio": Form(_written("{:.2f}".format), "{:+z.2f}".format),
+    "count": Form(_written(lambda value: f"{round(value):,}"), "{:+,.0f}".format),
 }
 """Of `metric.Metric`."""
+laps, share, count = (FORMS[form].value for form in ("rounded down", "share", "count"))
 
 
-def seeds_in_words(seeds: list[int]) -> str:
+def written(metric: Metric, value: float | None) -> str:
+    """A value of a metric."""
+    return FORMS[metric.form].value(value)
+
+
+def in_condition(condition: str) -> str:
+    """Where a drive was, in words."""
+    return CONDITIONS.get(condition, condition)
+
+
+def pair(parts: Iterable[str]) -> str:
+    """What stands in a cell of a table: of each condition."""
+    return " / ".join(parts)
+
+
+def seeds_in_words(seeds: Sequence[int]) -> str:
     """In the order given."""
     return f"seed{'s' if len(seeds) > 1 else ''} {', '.join(map(str, seeds))}"
 
@@ -73,7 +75,7 @@ def brief_interval(found: Estimate | None, form: Callable[[float], str]) -> str:
     return interval(found, form)
 
 
-def table(header: list[str], rows: list[list[str]], words: int = 1) -> str:
+def table(header: Sequence[str], rows: Iterable[Sequence[str]], words: int = 1) -> str:
     """A markdown table whose first `words` columns are text, and the others numbers."""
     rule = ["---"] * words + ["---:"] * (len(header) - words)
     return "\n".join(f"| {' | '.join(row)} |" for row in [header, rule, *rows])

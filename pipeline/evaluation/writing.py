@@ -7,6 +7,7 @@ from numbers import Integral, Real
 from pathlib import Path
 from typing import Any
 
+from pipeline.metric import Metric, shown
 from pipeline.output import write_file
 
 
@@ -17,6 +18,14 @@ def write_metrics(path: Path, metrics: Mapping[str, Any]) -> None:
     """
     text = json.dumps(_strict(metrics), indent=2, sort_keys=True, allow_nan=False)
     write_file(path, (text + "\n").encode())
+
+
+def write_rows(path: Path, row: Mapping[str, Any], metrics: Mapping[str, Metric]) -> None:
+    """Write what was measured once, a row of a table, and of it the metrics that DVC shows: it leaves
+    out lists, as the one that the row is in.
+    """
+    headline = {name: row[each.part] for name, each in shown(metrics, "dvc").items()}
+    write_metrics(path, {**headline, "rows": [row]})
 
 
 def write_curve(path: Path, epochs: Sequence[Mapping[str, float]]) -> None:

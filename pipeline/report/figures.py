@@ -5,10 +5,11 @@ from itertools import product
 
 from matplotlib.figure import Figure
 
+from pipeline.driving.metrics import METRICS
 from pipeline.evaluation.experiment import Experiment
-from pipeline.evaluation.summary import CONDITIONS
-from pipeline.report.looks import LABELS
-from pipeline.report.panels import ASKED, Line, Panel, draw
+from pipeline.metric import shown
+from pipeline.report.looks import label
+from pipeline.report.panels import Line, Panel, draw
 from pipeline.rollout.strategies import Strategy
 
 TITLES = {
@@ -45,12 +46,12 @@ def result(experiment: Experiment) -> Figure | None:
     runs = experiment.strategies
     panels = [
         *(
-            Panel(f"naive, {LABELS[where]}", "laps", _lines(runs, Strategy.NAIVE, where), ASKED)
-            for where in CONDITIONS
+            Panel(f"naive, {label(where)}", "laps", _lines(runs, Strategy.NAIVE, where), "queries")
+            for where in experiment.conditions
         ),
         *(
-            Panel(f"safe, {LABELS[where]}", "takeover", _lines(runs, Strategy.SAFE, where))
-            for where in CONDITIONS
+            Panel(f"safe, {label(where)}", "takeover", _lines(runs, Strategy.SAFE, where))
+            for where in experiment.conditions
         ),
     ]
     return draw(experiment, panels, columns=2)
@@ -59,10 +60,11 @@ def result(experiment: Experiment) -> Figure | None:
 def driving(experiment: Experiment, runs: Sequence[str]) -> Figure | None:
     """As the paper's Fig. 3."""
     panels = [
-        Panel(f"{strategy}, {LABELS[where]}", metric, _lines(runs, strategy, where))
+        Panel(f"{strategy}, {label(where)}", metric, _lines(runs, strategy, where))
         for strategy in (Strategy.NAIVE, Strategy.SAFE)
-        for metric in ("laps", "damage_per_lap", "steering_mse")
-        for where in CONDITIONS
+        for metric, told in shown(METRICS, "figures").items()
+        if strategy in told.strategies
+        for where in experiment.conditions
     ]
     return draw(experiment, panels, columns=3)
 
@@ -70,8 +72,8 @@ def driving(experiment: Experiment, runs: Sequence[str]) -> Figure | None:
 def takeover(experiment: Experiment, runs: Sequence[str]) -> Figure | None:
     """As the paper's Fig. 4: the share of the time that the reference drives."""
     panels = [
-        Panel(f"safe, {LABELS[where]}", "takeover", _lines(runs, Strategy.SAFE, where))
-        for where in CONDITIONS
+        Panel(f"safe, {label(where)}", "takeover", _lines(runs, Strategy.SAFE, where))
+        for where in experiment.conditions
     ]
     return draw(experiment, panels, columns=2)
 
@@ -79,8 +81,8 @@ def takeover(experiment: Experiment, runs: Sequence[str]) -> Figure | None:
 def cost(experiment: Experiment, runs: Sequence[str]) -> Figure | None:
     """What the queries, and the frames trained on, have bought."""
     panels = [
-        Panel(f"naive, {LABELS[where]}", "laps", _lines(runs, Strategy.NAIVE, where), place)
-        for place, where in product((ASKED, "frames trained on"), CONDITIONS)
+        Panel(f"naive, {label(where)}", "laps", _lines(runs, Strategy.NAIVE, where), place)
+        for place, where in product(("queries", "frames_trained"), experiment.conditions)
     ]
     return draw(experiment, panels, columns=2)
 
@@ -90,14 +92,14 @@ def optimal(experiment: Experiment) -> Figure | None:
     compared = (Strategy.SAFE, Strategy.OPTIMAL)
     panels = [
         Panel(
-            f"{experiment.title(run)}, {LABELS[where]}",
+            f"{experiment.title(run)}, {label(where)}",
             metric,
             [Line(run, strategy, where, key=strategy) for strategy in compared],
         )
         for run in experiment.runs
         if _has_optimal(experiment, run)
         for metric in ("takeover", "laps")
-        for where in CONDITIONS
+        for where in experiment.conditions
     ]
     return draw(experiment, panels, columns=2)
 

@@ -1,13 +1,13 @@
 """What a whole experiment has, and this one has not."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from itertools import product
 
+import pandas as pd
+
 from pipeline.claims.verdicts import claims
-from pipeline.evaluation.drives import among
-from pipeline.evaluation.experiment import Experiment, Step
-from pipeline.evaluation.summary import CONDITIONS
-from pipeline.evaluation.wording import CONDITION_WORDS
+from pipeline.evaluation.experiment import Experiment
+from pipeline.evaluation.wording import in_condition
 from pipeline.report.material import Material
 from pipeline.report.tables import NAIVE, OPTIMAL, SAFE
 
@@ -50,7 +50,8 @@ def _without_results(experiment: Experiment, run: str) -> str:
 def _missing_iterations(experiment: Experiment) -> Iterator[str]:
     for seed, run in product(experiment.seeds, experiment.runs):
         whole = range(len(experiment.specs[run].iterations) + 1)
-        absent = [str(i) for i in whole if (seed, run, i) not in experiment.steps]
+        there = set(experiment.among(seed=seed, run=run).iteration)
+        absent = [str(i) for i in whole if i not in there]
         if len(absent) == len(whole):
             yield f"{experiment.title(run)}, seed {seed}: no results."
         elif absent:
@@ -58,36 +59,35 @@ def _missing_iterations(experiment: Experiment) -> Iterator[str]:
 
 
 def _missing_drives(experiment: Experiment) -> Iterator[str]:
-    for seed in experiment.seeds:
-        steps = [step for key, step in sorted(experiment.steps.items()) if key[0] == seed]
-        yield from _fewer_than_elsewhere(experiment, steps)
+    for _, drives in experiment.drives.groupby("seed"):
+        yield from _fewer_than_elsewhere(experiment, drives)
     for run in experiment.runs:
         if run in experiment.strategies and experiment.among(run=run, strategy=OPTIMAL).empty:
             yield f"{experiment.title(run)}: no drives with the optimal safety policy."
 
 
-def _fewer_than_elsewhere(experiment: Experiment, steps: Sequence[Step]) -> Iterator[str]:
+def _fewer_than_elsewhere(experiment: Experiment, drives: pd.DataFrame) -> Iterator[str]:
     """Of one seed: cells with fewer drives than the fullest."""
-    cells = list(product(steps, (NAIVE, SAFE), CONDITIONS))
-    counts = [
-        len(among(step.drives, strategy=strategy, condition=where))
-        for step, strategy, where in cells
-    ]
-    for (step, strategy, where), number in zip(cells, counts, strict=True):
-        if number < max(counts):
+    steps = sorted(set(zip(drives.run, drives.iteration, strict=True)))
+    found = drives.groupby(["run", "iteration", "strategy", "condition"]).size()
+    cells = [(*step, s, c) for step, s, c in product(steps, (NAIVE, SAFE), experiment.conditions)]
+    counts = found.reindex(cells, fill_value=0)
+    for cell, number in zip(cells, counts, strict=True):
+        run, iteration, strategy, where = cell
+        if number < counts.max():
             yield (
-                f"{experiment.title(step.run)}, seed {step.seed}, iteration {step.iteration}: {number} of "
-                f"{max(counts)} drives of {strategy}, {CONDITION_WORDS[where]}."
+                f"{experiment.title(run)}, seed {drives.seed.iloc[0]}, iteration {iteration}: "
+                f"{number} of {counts.max()} drives of {strategy}, {in_condition(where)}."
             )
 
 
 def _beside_the_loops(material: Material) -> Iterator[str]:
-    if not material.thresholds:
+    if material.thresholds.drives.empty:
         yield "Other thresholds: no drives with safety policies of other tau."
-    if not material.scratch.steps:
+    if not len(material.scratch.drives):
         yield "Warm start or from scratch: no primary trained from scratch."
     for seed in material.experiment.seeds:
         if seed not in material.errors:
             yield f"Seed {seed}: no errors.json, which says which errors are safe."
-        elif material.errors[seed].tau_for_share is None:
+        elif material.errors[seed].held_out.tau_for_share is None:
             yield f"Seed {seed}: no tau for the paper's share of safe frames in errors.json."

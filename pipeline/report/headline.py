@@ -1,15 +1,15 @@
 """What came out, in sentences: the head of the report."""
 
 from collections.abc import Iterator, Sequence
-from statistics import fmean
 
 from pipeline.claims.verdicts import Verdict
-from pipeline.evaluation.experiment import Experiment
-from pipeline.evaluation.summary import LAPS
-from pipeline.evaluation.wording import count, seeds_in_words
-from pipeline.report import tables
-from pipeline.report.material import Material
-from pipeline.report.tables import NAIVE, SAFE
+from pipeline.evaluation.drives import among
+from pipeline.evaluation.experiment import Experiment, mean
+from pipeline.evaluation.wording import count, in_condition, seeds_in_words, written
+from pipeline.metric import SPENT
+from pipeline.report.tables import NAIVE, SAFE, estimates, failed, most_laps
+
+QUERIES = SPENT["queries"]
 
 
 def standing(judged: Sequence[Verdict]) -> str:
@@ -27,81 +27,83 @@ def standing(judged: Sequence[Verdict]) -> str:
     return f"Of the {len(judged)} [claims of the paper](#claims-of-the-paper), {', '.join(parts)}."
 
 
-def headline(material: Material) -> str:
+def headline(experiment: Experiment) -> str:
     """A point for the supervised stage, and for each training strategy after its last iteration."""
-    experiment = material.experiment
     compared = [run for run in experiment.strategies if run in experiment.runs]
     if not compared:
         return "There are no results of any training strategy."
-    without, with_traffic = tables.estimates(experiment, "laps", compared[0], 0, NAIVE)
+    laps = estimates(experiment, "laps", compared[0], 0, NAIVE)
+    of_all, *others = [
+        f"{value}{{}} {in_condition(where)}"
+        for value, where in zip(laps, experiment.conditions, strict=True)
+    ]
+    completed = " and ".join(
+        [of_all.format(f" of {most_laps(experiment)} laps"), *(each.format("") for each in others)]
+    )
     return "\n".join(
         [
-            f"- After supervised training alone, the primary, driven naively, completes {without} "
-            f"of {LAPS:g} laps without traffic and {with_traffic} with traffic.",
-            *(f"- {' '.join(_sentences(material, run))}" for run in compared),
+            "- After supervised training alone, the primary, driven naively, completes "
+            f"{completed}.",
+            *(f"- {' '.join(_sentences(experiment, run))}" for run in compared),
         ]
     )
 
 
-def _sentences(material: Material, run: str) -> Iterator[str]:
+def _sentences(experiment: Experiment, run: str) -> Iterator[str]:
     """On one training strategy."""
-    experiment = material.experiment
     last = experiment.iterations(run)[-1]
-    seeds = [step.seed for step in experiment.of(run, last)]
+    seeds = experiment.seeds_of(run, last)
     fewer = "" if seeds == experiment.seeds else f" on {seeds_in_words(seeds)}"
-    asked = count(round(tables.spent(experiment, run, last)[0]))
-    without, with_traffic = tables.estimates(experiment, "laps", run, last, NAIVE)
+    asked = written(QUERIES, mean(experiment.spent, QUERIES, run=run, iteration=last))
+    laps = " and ".join(estimates(experiment, "laps", run, last, NAIVE))
     yield (
-        f"After iteration {last} of {experiment.title(run)}{fewer}, at {asked} queries, it completes {without} "
-        f"and {with_traffic}. {_arrival(experiment, run)}"
+        f"After iteration {last} of {experiment.title(run)}{fewer}, at {asked} queries, it completes "
+        f"{laps}. {_arrival(experiment, run)}"
     )
     if run == experiment.ours:
-        laps = tables.estimates(experiment, "laps", run, last, SAFE)
-        shares = tables.estimates(experiment, "takeover", run, last, SAFE)
-        before = tables.estimates(experiment, "takeover", run, 0, SAFE)
+        laps, shares, before = (
+            " and ".join(estimates(experiment, metric, run, iteration, SAFE))
+            for metric, iteration in (("laps", last), ("takeover", last), ("takeover", 0))
+        )
         yield (
-            f"With the safe strategy it completes {laps[0]} and {laps[1]}, the reference driving "
-            f"{shares[0]} and {shares[1]} of the time; before the loop it was {before[0]} and "
-            f"{before[1]}."
+            f"With the safe strategy it completes {laps}, the reference driving {shares} of the "
+            f"time; before the loop it was {before}."
         )
     elif experiment.ours in experiment.runs:
-        yield from _against(material, experiment.ours, run, last)
+        yield from _against(experiment, experiment.ours, run, last)
 
 
 def _arrival(experiment: Experiment, run: str) -> str:
     """After which iteration all naive drives did all laps first, and after which no longer."""
-    naive = experiment.among(run=run, strategy=NAIVE).groupby("iteration").laps
-    full = list(naive.min().index[naive.min() >= LAPS])
+    laps = most_laps(experiment)
+    naive = experiment.among(run=run, strategy=NAIVE)
+    short = failed(naive).groupby(naive.iteration)
+    full = list(short.any().index[~short.any()])
     if not full:
-        return f"After no iteration did all naive drives do {LAPS:g} laps."
+        return f"After no iteration did all naive drives do {laps} laps."
     first = full[0]
-    asked = count(round(tables.spent(experiment, run, first)[0]))
+    asked = written(QUERIES, mean(experiment.spent, QUERIES, run=run, iteration=first))
     lost = [str(i) for i in experiment.iterations(run) if i > first and i not in full]
     later = f", but no longer after iteration {' and '.join(lost)}" if lost else ""
     return (
-        f"All {naive.size()[first]} naive drives did {LAPS:g} laps first after iteration {first}, at "
+        f"All {short.size()[first]} naive drives did {laps} laps first after iteration {first}, at "
         f"{asked} queries{later}."
     )
 
 
-def _against(material: Material, ours: str, run: str, last: int) -> Iterator[str]:
+def _against(experiment: Experiment, ours: str, run: str, last: int) -> Iterator[str]:
     """What our run asked against another run, on the seeds of both, in the loop and in all."""
-    experiment = material.experiment
     end = experiment.iterations(ours)[-1]
-    seeds = [
-        step.seed for step in experiment.of(run, last) if (step.seed, ours, end) in experiment.steps
-    ]
-    if not seeds:
-        return
-    spent = fmean(experiment.queries(seed, ours, end) for seed in seeds)
-    theirs = fmean(experiment.queries(seed, run, last) for seed in seeds)
-    labels = fmean(material.labels(seed, ours, end) for seed in seeds)
-    their_labels = fmean(material.labels(seed, run, last) for seed in seeds)
-    if spent and theirs:
+    seeds = [s for s in experiment.seeds_of(run, last) if s in experiment.seeds_of(ours, end)]
+    mine, theirs = (
+        among(experiment.spent, run=name, iteration=i, seed=seeds)[["queries", "labels"]].mean()
+        for name, i in ((ours, end), (run, last))
+    )
+    if mine.queries > 0 and theirs.queries > 0:  # NaN: they share no seed
         yield (
-            f"{experiment.title(ours)} asked {_times(spent, theirs)} queries in the loop; with D_0, and D_safe "
-            f"that only it needs, {_times(labels, their_labels)} labels ({count(round(labels))} "
-            f"against {count(round(their_labels))})."
+            f"{experiment.title(ours)} asked {_times(mine.queries, theirs.queries)} queries in the loop; "
+            f"with D_0, and D_safe that only it needs, {_times(mine.labels, theirs.labels)} labels "
+            f"({count(mine.labels)} against {count(theirs.labels)})."
         )
 
 

@@ -2,9 +2,9 @@
 
 from collections.abc import Iterator
 
-from pipeline.evaluation.experiment import Experiment
-from pipeline.evaluation.wording import NOTHING
-from pipeline.report.safety_tables import QUALITY, mean_quality
+from pipeline.evaluation.experiment import ROLLOUT, Experiment, mean
+from pipeline.evaluation.wording import NOTHING, written
+from pipeline.metric import QUALITY
 from pipeline.report.tables import NAIVE, OPTIMAL, SAFE, estimates
 from pipeline.rollout.strategies import Strategy
 
@@ -59,16 +59,17 @@ def _steering(experiment: Experiment, ours: str, last: int) -> Iterator[str]:
 
 def _range(experiment: Experiment, ours: str, name: str) -> str:
     """Of one of QUALITY in the rollouts, over the iterations; empty where it is not known."""
+    metric = QUALITY[name]
     means = [
-        mean_quality([step.next_rollout for step in experiment.of(ours, iteration)], name)
+        mean(experiment.quality, metric, run=ours, iteration=iteration, judged_on=ROLLOUT)
         for iteration in experiment.iterations(ours)
     ]
-    known = [mean for mean in means if mean is not None]
-    form = QUALITY[name][1]
-    return " to ".join(dict.fromkeys(form(end(known)) for end in (min, max))) if known else ""
+    known = [value for value in means if value is not None]
+    ends = [written(metric, end(known)) for end in (min, max)] if known else []
+    return " to ".join(dict.fromkeys(ends))
 
 
 def _pair(experiment: Experiment, metric: str, run: str, iteration: int, strategy: Strategy) -> str:
-    """Without and with traffic; empty where one is not known."""
+    """In each condition; empty where one is not known."""
     found = estimates(experiment, metric, run, iteration, strategy)
     return "" if NOTHING in found else " and ".join(found)

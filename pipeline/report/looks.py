@@ -6,7 +6,6 @@ from typing import Any
 from matplotlib.lines import Line2D
 
 from pipeline.evaluation.experiment import Experiment
-from pipeline.evaluation.summary import CONDITIONS
 from pipeline.rollout.strategies import Strategy
 
 OF_STRATEGIES = {
@@ -14,15 +13,21 @@ OF_STRATEGIES = {
     Strategy.OPTIMAL: ("optimal", "#e69f00", "D"),
 }
 """Where driving strategies are told apart, not runs: name, colour and marker."""
-DASHES = {"no_traffic": "-", "traffic": (0, (4, 2))}
-LABELS = {"no_traffic": "no traffic", "traffic": "traffic"}
+DASHED = "traffic"
+"""the condition whose lines are dashed, with open markers"""
 SIZE = 5.0  # [points] of a marker
 
 
 def look(colour: str, marker: str, where: str) -> dict[str, Any]:
-    """Of a line in one of CONDITIONS, for matplotlib."""
-    line = {"color": colour, "marker": marker, "markersize": SIZE, "linestyle": DASHES[where]}
-    return line | {"markerfacecolor": colour if where == "no_traffic" else "white"}
+    """Of a line in one of the conditions, for matplotlib."""
+    dashes, inside = ((0, (4, 2)), "white") if where == DASHED else ("-", colour)
+    line = {"color": colour, "marker": marker, "markersize": SIZE, "linestyle": dashes}
+    return line | {"markerfacecolor": inside}
+
+
+def label(where: str) -> str:
+    """Of a condition."""
+    return where.replace("_", " ")
 
 
 def of_key(experiment: Experiment, key: str) -> tuple[str, str, str]:
@@ -37,10 +42,7 @@ def legend(experiment: Experiment, keys: Iterable[str]) -> list[Line2D]:
     """What colours, dashes and bars stand for: each of the keys, see `of_key`, once."""
     shown = [of_key(experiment, key) for key in dict.fromkeys(keys)]
     return [
-        *(
-            Line2D([], [], label=name, **look(colour, marker, "no_traffic"))
-            for name, colour, marker in shown
-        ),
-        *(Line2D([], [], label=LABELS[c], **look("0.4", "o", c)) for c in CONDITIONS),
+        *(Line2D([], [], label=name, **look(colour, marker, "")) for name, colour, marker in shown),
+        *(Line2D([], [], label=label(c), **look("0.4", "o", c)) for c in experiment.conditions),
         Line2D([], [], color="0.4", marker="|", ms=12, linestyle="", label="95 % interval"),
     ]

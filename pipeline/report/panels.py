@@ -1,7 +1,7 @@
 """Panels of a figure: a metric of several runs, with 95 % intervals; gaps where there are none."""
 
 from collections import defaultdict
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from textwrap import fill
 
@@ -13,21 +13,15 @@ from matplotlib.transforms import offset_copy
 
 from pipeline.driving.metrics import METRICS
 from pipeline.evaluation.comparison import Cell, estimate
-from pipeline.evaluation.experiment import Experiment, Step
+from pipeline.evaluation.drives import among
+from pipeline.evaluation.experiment import Experiment
 from pipeline.evaluation.statistics import Estimate
-from pipeline.evaluation.summary import LAPS
-from pipeline.evaluation.wording import FORMS
+from pipeline.evaluation.wording import written
 from pipeline.inspection.canvas import new_figure, styled
+from pipeline.metric import SPENT
 from pipeline.report.looks import legend, look, of_key
 from pipeline.rollout.strategies import Strategy
 
-ASKED = "queries of the loop so far, log scale"
-PLACES: dict[str, Callable[[Experiment, Step], float]] = {
-    "iteration": lambda _, step: step.iteration,
-    ASKED: lambda experiment, step: experiment.queries(step.seed, step.run, step.iteration),
-    "frames trained on": lambda _, step: step.ledger.frames_trained,
-}
-"""Where on x a step is; over several seeds, the mean."""
 # So that equal points stay visible, [points]: over the iterations, lines stand apart in x. Where x
 # is a cost, only intervals do, since no line may look cheaper: earlier ones have larger markers.
 APART = 3.0
@@ -53,7 +47,8 @@ class Line:
 
 @dataclass(frozen=True)
 class Panel:
-    """A metric, one of METRICS, of several lines against one of PLACES."""
+    """A metric, one of METRICS, of several lines over the iterations, or against what they cost: one of
+    SPENT, on the mean over the seeds."""
 
     title: str
     metric: str
@@ -93,7 +88,7 @@ def draw(experiment: Experiment, panels: Sequence[Panel], columns: int) -> Figur
             for before, (line, found) in enumerate(curves.items()):
                 after = len(curves) - 1 - before
                 _draw(axes, experiment, panel, line, found, APART * (before - after) / 2, after)
-            _frame(axes, panel)
+            _frame(axes, panel, experiment.most(METRICS[panel.metric]))
         handles = legend(experiment, (line.key for _, curves in shown for line in curves))
         figure.legend(handles=handles, loc="outside upper center", ncols=4, handlelength=3.2)
         if same:
@@ -114,7 +109,7 @@ def _named(panels: Iterable[tuple[Panel, float]]) -> str:
     titles: dict[str, list[str]] = defaultdict(list)
     for panel, value in panels:
         metric = METRICS[panel.metric]
-        words = f"{metric.title} {FORMS[metric.form].value(value)}"
+        words = f"{metric.title} {written(metric, value)}"
         titles[words].append(panel.title)
     return " ".join(f"{words}: {'; '.join(found)}." for words, found in titles.items())
 
@@ -138,14 +133,14 @@ def _draw(
     """Values and intervals, `shift` [points] to the right; a gap where there are none. So many lines
     come `after` it.
     """
+    is_cost = panel.place != "iteration"
     value, low, high = (
         [getattr(one, end) if one else np.nan for one in found] for end in ("value", "low", "high")
     )
-    steps = [experiment.of(line.run, i) for i in experiment.iterations(line.run)]
-    x = [np.mean([PLACES[panel.place](experiment, step) for step in seeds]) for seeds in steps]
+    rows = among(experiment.spent, run=line.run).groupby("iteration", as_index=False)
+    x = rows[panel.place].mean()[panel.place] if is_cost else experiment.iterations(line.run)
     name, colour, marker = of_key(experiment, line.key)
     style = look(colour, marker, line.condition)
-    is_cost = panel.place != "iteration"
     if is_cost:
         style["markersize"] += LARGER * after
     curve = axes.plot(x, value, label=name, clip_on=False, zorder=3, **style)
@@ -156,15 +151,16 @@ def _draw(
         artist.set_transform(aside)
 
 
-def _frame(axes: Axes, panel: Panel) -> None:
+def _frame(axes: Axes, panel: Panel, most: float) -> None:
+    """Labels and limits; `most` is what the metric can be."""
     metric = METRICS[panel.metric]
-    axes.set(title=f"{metric.title}: {panel.title}", xlabel=panel.place, ylabel=metric.unit)
+    axes.set(title=f"{metric.title}: {panel.title}", xlabel=_place(panel), ylabel=metric.unit)
     axes.grid(axis="y")
     axes.margins(x=0.08)
     places = sorted({float(x) for line in axes.get_lines() for x in np.asarray(line.get_xdata())})
     if panel.place == "iteration":
         axes.set_xticks(places)
-    elif panel.place == ASKED:  # beyond the first queries: iteration 0 has none
+    elif panel.place == "queries":  # beyond the first queries: iteration 0 has none
         first = next((x for x in places if x > 0), 1.0)
         axes.set_xscale("symlog", linthresh=first, linscale=0.3)
         axes.set_xticks([0, *_apart(first, places[-1])])
@@ -172,10 +168,17 @@ def _frame(axes: Axes, panel: Panel) -> None:
     axes.xaxis.set_major_formatter("{x:,.0f}")
     if metric.form == "share":
         axes.yaxis.set_major_formatter(PercentFormatter(1.0, decimals=0))
-    if panel.metric == "laps":
-        axes.axhline(LAPS, color="0.6", linewidth=0.8)
-    top = LAPS if panel.metric == "laps" else axes.dataLim.y1
+    if np.isfinite(most):
+        axes.axhline(most, color="0.6", linewidth=0.8)
+    top = most if np.isfinite(most) else axes.dataLim.y1
     axes.set_ylim(0, 1.08 * top if top > 0 else 1.0)  # nothing but gaps: minus infinity
+
+
+def _place(panel: Panel) -> str:
+    """What is on x."""
+    if panel.place == "iteration":
+        return panel.place
+    return SPENT[panel.place].unit + (", log scale" if panel.place == "queries" else "")
 
 
 def _apart(first: float, last: float) -> list[float]:

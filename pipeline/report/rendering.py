@@ -1,17 +1,22 @@
-"""The report: markdown made from all metrics, every verdict, every number and every gap."""
+"""The report: markdown made from all metrics, every verdict, every number and every gap. Its words
+are in report.md.j2.
+"""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
 
 from pipeline.claims.findings import MARGIN, PAIRS
-from pipeline.claims.verdicts import Verdict, verdicts
+from pipeline.claims.verdicts import verdicts
 from pipeline.driving.features import STANDSTILL
-from pipeline.evaluation.experiment import Experiment
-from pipeline.evaluation.summary import LAPS
-from pipeline.evaluation.wording import table
-from pipeline.report import safety_tables, tables
-from pipeline.report.basis import basis, certainty, cost
-from pipeline.report.endings import endings
+from pipeline.driving.metrics import METRICS
+from pipeline.evaluation.drives import among
+from pipeline.evaluation.experiment import D_SAFE
+from pipeline.evaluation.templates import template
+from pipeline.evaluation.wording import seeds_in_words
+from pipeline.metric import shown
+from pipeline.report import tables
 from pipeline.report.gaps import gaps
 from pipeline.report.headline import headline, standing
 from pipeline.report.limits import limits
@@ -19,7 +24,6 @@ from pipeline.report.material import Material
 from pipeline.report.runs import runs
 from pipeline.report.scratch import warm_or_scratch
 from pipeline.report.shortfalls import falls_short
-from pipeline.report.track_table import by_track
 
 
 @dataclass(frozen=True)
@@ -40,138 +44,60 @@ def render_report(material: Material, pictures: Pictures) -> str:
     """The report as markdown."""
     experiment = material.experiment
     judged = verdicts(experiment)
-    sections = [
-        "# SafeDAgger: the result",
-        standing(judged),
-        headline(material),
-        *_result(pictures),
-        cost(material),
-        basis(material),
-        certainty(experiment),
-        "**Runs.** Each begins with the same D_0, and with a supervised primary trained on it:",
-        runs(experiment),
-        "## Claims of the paper",
-        *_claims(judged),
-        "## Over the iterations",
-        "Bars are 95 % intervals. Over the iterations lines stand a little apart, so that equal ones "
-        "stay visible; over queries and frames only their bars do. Panels in which nothing differs are named "
-        "below the others.",
-        *(f"{title}:\n\n![{title}]({place})" for title, place in pictures.figures.items()),
-        "## In numbers",
-        *_numbers(material),
-        "## Track by track, after the last iteration",
-        "Each cell: without traffic / with traffic, over all starts and seeds.",
-        by_track(experiment),
-        *_shortfalls(experiment),
-        "## Pictures",
-        *(_of_seeds(title, places) for title, places in pictures.by_seed.items() if places),
-        *(f"![{title}]({place})" for title, place in pictures.tracks.items()),
-        "## What is missing",
-        "\n".join(f"- {gap}" for gap in gaps(material, pictures.by_seed))
-        or "No run, seed or picture is missing.",
-    ]
-    return "\n\n".join(sections) + "\n"
-
-
-def _result(pictures: Pictures) -> Iterator[str]:
-    if pictures.result:
-        yield f"![Naive laps against queries, and takeover]({pictures.result})"
-
-
-def _claims(judged: Sequence[Verdict]) -> Iterator[str]:
-    """What decides each, in a table, and all numbers below it."""
-    yield (
-        f"A comparison is of {PAIRS} pairs of drives or more, with equal seeds, tracks and starts. It "
-        "is decided where the whole 95 % interval of the difference, in brackets, is on one side of "
-        f"0. But laps need not rise where all drives do {LAPS:g} in the end, and up to {MARGIN:g} laps "
-        "count as none where it is asked who gets further, or as far. Surely and possibly are by the "
-        "two ends of the interval."
+    cells = experiment.drives.groupby(["run", "iteration", "strategy", "condition"])
+    return template(Path(__file__).with_name("report.md.j2"), in_words=seeds_in_words).render(
+        experiment=experiment,
+        material=material,
+        pictures=pictures,
+        seeds=experiment.seeds,
+        standing=standing(judged),
+        headline=headline(experiment),
+        cost=_cost(material),
+        basis=_basis(material),
+        fullest=cells.size().max(),
+        runs=runs(experiment),
+        verdicts=judged,
+        pairs=PAIRS,
+        margin=MARGIN,
+        laps=tables.most_laps(experiment),
+        standstill=STANDSTILL,
+        tables=tables,
+        metrics=shown(METRICS, "tables"),
+        watched=any(experiment.specs[run].is_watched for run in experiment.runs),
+        warm_or_scratch=warm_or_scratch,
+        falls_short=falls_short,
+        limits=limits,
+        gaps=gaps(material, pictures.by_seed),
     )
-    rows = [
-        [
-            f"{number}. {one.claim}",
-            one.verdict if one.verdict == "holds" else f"**{one.verdict}**",
-            one.observed,
-        ]
-        for number, one in enumerate(judged, 1)
-    ]
-    yield table(["Claim", "Verdict", "Observed"], rows, words=3)
-    yield "All numbers behind them, by claim:"
-    yield "\n".join(f"{number}. {one.evidence}" for number, one in enumerate(judged, 1))
 
 
-def _numbers(material: Material) -> Iterator[str]:
-    """The tables, each group under its heading; those that would be empty are left out."""
+def _cost(material: Material) -> dict[str, Any]:
+    """Queries of the loop and outside it, and, apart, what was asked only to measure."""
     experiment = material.experiment
-    yield "### Driving on the test tracks"
-    yield (
-        "Each cell: without traffic / with traffic, with 95 % intervals. Laps are the mean over "
-        f"the drives, {LAPS:g} at most, cut to two digits; their interquartile mean leaves out the best "
-        "and the worst quarter, and so shows what is usual. A drive is halted when it leaves the road, "
-        f"has stood still for {STANDSTILL:g} s or is out of time. Damage is half the squared closing "
-        "speed of each touch, in m²/s² per lap driven. The steering MSE is per frame that the primary "
-        "drove, full lock = 1. A frame is one decision: whoever drives is asked once, and the action "
-        "is held until the next. Takeover is the share of the frames that the reference drove; a "
-        "switch is a change of driver from one frame to the next, either way."
-    )
-    first, *others = tables.STRATEGIES
-    yield tables.driving(experiment, first)
-    yield (
-        "How the drives ended that did not do all laps, in counts. On the road they stopped because "
-        "they stood still or were out of time. Rows in which all drives did all laps are left out."
-    )
-    yield from endings(experiment)
-    yield from (tables.driving(experiment, metric) for metric in others)
-    yield "### What it cost"
-    yield (
-        "A query is a frame in which the reference was asked for an action to drive or to train "
-        "with. Queries and frames driven are those of the loop. Labels in all are D_0, these queries "
-        "and, for the runs whose loop needs a safety policy, D_safe; of the others it exists only to "
-        "measure. Trained on is D_i: D_0 and all that was added so far; D_safe never trains a "
-        "primary. Means over the seeds."
-    )
-    yield tables.cost(material)
-    if any(experiment.specs[run].is_watched for run in experiment.runs):
-        yield "### The safety policies"
-        yield (
-            "Each cell: held-out frames of D_safe, which the reference drove / frames of the next "
-            "rollout, which this safety policy decided about; after the last iteration there was "
-            "none. Means over the seeds. Truly unsafe is by the labels that it learned: a deviation above "
-            "tau, now or one second ahead, or, where that counts, a wrong brake."
-        )
-        yield safety_tables.safety(experiment)
-    if material.thresholds:
-        yield "### Other thresholds"
-        yield (
-            "The supervised primary under the safe strategy, with safety policies of several tau. "
-            "Truly unsafe is the share of the held-out frames of D_safe that is so by their labels."
-        )
-        yield safety_tables.thresholds(material.thresholds)
-    if material.scratch.steps:
-        yield "### Warm start or from scratch"
-        yield warm_or_scratch(material.scratch)
-    if material.errors:
-        yield "### Which errors are safe"
-        yield (
-            "The steering errors of the supervised primary on D_0, which it was trained on, and on "
-            "drives like these that nobody trained on: the share of the frames that tau calls safe, "
-            "and the tau under which as many of the held-out frames were safe as in the paper."
-        )
-        yield safety_tables.errors(material.errors)
+    run = experiment.ours if experiment.ours in experiment.runs else experiment.runs[0]
+    spent = among(experiment.spent, run=run, iteration=experiment.iterations(run)[-1])
+    first = among(experiment.ledgers, run=[run, D_SAFE], iteration=0)
+    before = first.groupby("run").queries.mean()
+    # whether the reference drives or is only looked up, each frame's deviation is known
+    loop = experiment.ledgers[experiment.ledgers.iteration > 0]
+    means = spent[["queries", "frames_driven", "frames_trained"]].mean()
+    return {
+        "run": experiment.title(run),
+        "seeds": len(spent),
+        **{str(name): value for name, value in means.items()},
+        "d_0": before[run],
+        "d_safe": before[D_SAFE],
+        "in_rollouts": (loop.frames_driven - loop.queries).sum(),
+        "in_evaluation": material.driven.primary_frames.sum(),
+    }
 
 
-def _shortfalls(experiment: Experiment) -> Iterator[str]:
-    ours = experiment.ours
-    if ours in experiment.runs:
-        yield f"## Where {experiment.title(ours)} falls short"
-        yield falls_short(experiment.of(ours, experiment.iterations(ours)[-1]))
-        yield from filter(None, [limits(experiment, ours)])
-
-
-def _of_seeds(title: str, places: Mapping[int, str]) -> str:
-    """The picture of the lowest seed, and links to the others."""
-    (first, shown), *others = sorted(places.items())
-    links = ", ".join(f"[seed {seed}]({place})" for seed, place in others)
-    words = f"{title}, seed {first}"
-    also = f" (also {links})" if links else ""
-    return f"{words}{also}:\n\n![{words}]({shown})"
+def _basis(material: Material) -> dict[str, Any]:
+    """What was driven."""
+    drives = material.driven
+    return {
+        "tracks": sorted(set(drives.scenario)),
+        "starts": sorted(set(drives.groupby(["seed", "step"]).start.nunique())),
+        "cars": [f"{number:g}" for number in sorted(set(drives.traffic[drives.traffic > 0]))],
+        "drives": len(drives),
+    }

@@ -1,10 +1,8 @@
 """What the runs are, in plain words, and what their loops did."""
 
-from statistics import fmean
-
+from pipeline.evaluation.drives import among
 from pipeline.evaluation.experiment import Experiment
 from pipeline.evaluation.wording import count, share
-from pipeline.report import tables
 
 
 def runs(experiment: Experiment) -> str:
@@ -20,14 +18,11 @@ def _loop(experiment: Experiment, run: str) -> str:
     last = experiment.iterations(run)[-1]
     if not last:
         return ""
-    _, driven, by_reference, _ = tables.spent(experiment, run, last)
-    added = fmean(
-        sum(experiment.steps[step.seed, run, i].ledger.frames_selected for i in range(1, last + 1))
-        for step in experiment.of(run, last)
-    )
+    spent = among(experiment.spent, run=run, iteration=last)
     return (
-        f" Loop: {count(round(driven))} frames driven, {share(by_reference)} of them by the "
-        f"reference; {count(round(added))} added{_taus(experiment, run)}."
+        f" Loop: {count(spent.frames_driven.mean())} frames driven, "
+        f"{share(spent.takeover.mean())} of them by the reference; "
+        f"{count(spent.frames_selected.mean())} added{_taus(experiment, run)}."
     )
 
 
@@ -35,8 +30,8 @@ def _taus(experiment: Experiment, run: str) -> str:
     """Of the safety policies, where these decide in rollouts: one, or that of each iteration."""
     if not experiment.specs[run].is_watched:
         return ""
-    iterations = experiment.iterations(run)
-    taus = [f"{experiment.of(run, i)[0].tau:g}" for i in iterations]
+    first = among(experiment.quality, run=run).groupby("iteration").tau.first()
+    taus = [f"{tau:g}" for tau in first]
     if len(set(taus)) == 1:
         return f"; tau {taus[0]}"
-    return f"; tau {', '.join(taus)} after iterations {', '.join(map(str, iterations))}"
+    return f"; tau {', '.join(taus)} after iterations {', '.join(map(str, first.index))}"

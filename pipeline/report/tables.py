@@ -1,29 +1,32 @@
-"""The tables with a row for each run and iteration: every metric with its interval, and the cost."""
+"""The tables of the report: every metric with its interval, what it cost, how drives ended."""
 
-from collections.abc import Callable
-from statistics import fmean
+from collections.abc import Callable, Iterator, Mapping, Sequence
 
-from pipeline.data.ledger import Ledger, cumulative
+import pandas as pd
+
 from pipeline.driving.metrics import METRICS
 from pipeline.evaluation.comparison import Cell, estimate
 from pipeline.evaluation.drives import among
-from pipeline.evaluation.experiment import Experiment
-from pipeline.evaluation.summary import CONDITIONS
-from pipeline.evaluation.wording import FORMS, brief_interval, count, share, table
-from pipeline.report.material import Material
+from pipeline.evaluation.experiment import HELD_OUT, ROLLOUT, Experiment, Tables, mean
+from pipeline.evaluation.files import ErrorShares
+from pipeline.evaluation.summary import measure
+from pipeline.evaluation.wording import (
+    FORMS,
+    NOTHING,
+    brief_interval,
+    count,
+    pair,
+    share,
+    table,
+    written,
+)
+from pipeline.metric import QUALITY, SPENT, shown
 from pipeline.rollout.strategies import DRIVING, Strategy
 
 NAIVE, SAFE, OPTIMAL = DRIVING
-STRATEGIES: dict[str, tuple[Strategy, ...]] = {
-    "laps": DRIVING,
-    "laps_iqm": (NAIVE,),
-    "damage_per_lap": DRIVING,
-    "steering_mse": (NAIVE, SAFE),
-    "takeover": (SAFE, OPTIMAL),
-    "switches_per_lap": (SAFE, OPTIMAL),
-    "takeover_length": (SAFE, OPTIMAL),
-}
-"""The metrics that have a table, and the driving strategies that each is given of."""
+BY_TAU = ("laps", "damage_per_lap", "takeover", "switches_per_lap", "takeover_length")
+"""metrics that are given for each tau"""
+BY_TRACK = (("laps", NAIVE), ("laps", SAFE), ("damage_per_lap", NAIVE), ("takeover", SAFE))
 
 
 def driving(experiment: Experiment, metric: str) -> str:
@@ -31,46 +34,170 @@ def driving(experiment: Experiment, metric: str) -> str:
     rests on.
     """
     driven = set(experiment.drives.strategy)
-    strategies = [strategy for strategy in STRATEGIES[metric] if strategy in driven]
+    told = METRICS[metric].strategies
+    strategies = [strategy for strategy in DRIVING if strategy in told and strategy in driven]
     header = [f"{METRICS[metric].title}, {strategy}" for strategy in strategies]
     if metric == "steering_mse":
         header += [f"Frames of the MSE, {strategy}" for strategy in strategies]
 
-    def cells(run: str, iteration: int) -> list[str]:
-        found = [estimates(experiment, metric, run, iteration, each) for each in strategies]
-        if metric == "steering_mse":
-            found += [_frames(experiment, run, iteration, each) for each in strategies]
-        return [" / ".join(pair) for pair in found]
+    def cells(run: str, iteration: int) -> Iterator[str]:
+        for strategy in strategies:
+            yield pair(estimates(experiment, metric, run, iteration, strategy))
+        for strategy in strategies if metric == "steering_mse" else ():
+            here = experiment.among(run=run, iteration=iteration, strategy=strategy)
+            yield pair(count(group.primary_frames.sum()) for group in _groups(experiment, here))
 
-    return by_iteration(experiment, experiment.runs, header, cells)
+    return _by_iteration(experiment, experiment.runs, header, cells)
 
 
-def cost(material: Material) -> str:
+def cost(experiment: Experiment) -> str:
     """What the loop has cost so far, and what the reference labelled in all: means over the seeds."""
-    experiment = material.experiment
-    header = [
-        "Queries so far",
-        "Labels in all",
-        "Frames driven so far",
-        "Of them by the reference",
-        "Frames trained on",
+    metrics = shown(SPENT, "tables").values()
+
+    def cells(run: str, iteration: int) -> Iterator[str]:
+        for metric in metrics:
+            found = mean(experiment.spent, metric, run=run, iteration=iteration)
+            yield written(metric, found)
+
+    return _by_iteration(experiment, experiment.runs, [each.title for each in metrics], cells)
+
+
+def safety(experiment: Experiment) -> str:
+    """How well the safety policies of SafeDAgger and its variants find the unsafe frames."""
+    metrics = shown(QUALITY, "tables").values()
+
+    def cells(run: str, iteration: int) -> Iterator[str]:
+        here = among(experiment.quality, run=run, iteration=iteration)
+        yield ", ".join(f"{tau:g}" for tau in sorted(set(here.tau)))
+        for metric in metrics:
+            found = [mean(here, metric, judged_on=judged) for judged in (HELD_OUT, ROLLOUT)]
+            yield pair(written(metric, value) for value in found)
+
+    runs = [run for run in experiment.runs if experiment.specs[run].is_watched]
+    return _by_iteration(experiment, runs, ["tau", *(each.title for each in metrics)], cells)
+
+
+def thresholds(found: Tables) -> str:
+    """The supervised primary under the safe strategy, a row for each tau."""
+    unsafe = QUALITY["share_unsafe"]
+    rows = [
+        [
+            tau,
+            ", ".join(map(str, found.seeds_of(tau, 0))),
+            written(unsafe, mean(found.quality, unsafe, run=tau)),
+            *(pair(estimates(found, metric, tau, 0, SAFE)) for metric in BY_TAU),
+        ]
+        for tau in sorted(set(found.drives.run), key=float)
     ]
-
-    def cells(run: str, iteration: int) -> list[str]:
-        queries, driven, takeover, trained = spent(experiment, run, iteration)
-        seeds = [step.seed for step in experiment.of(run, iteration)]
-        labels = fmean(material.labels(seed, run, iteration) for seed in seeds)
-        counts = [count(round(number)) for number in (queries, labels, driven, trained)]
-        return [*counts[:3], share(takeover if iteration else None), counts[3]]
-
-    return by_iteration(experiment, experiment.runs, header, cells)
+    titles = [METRICS[metric].title for metric in BY_TAU]
+    return table(["tau", "Seeds", unsafe.title, *titles], rows)
 
 
-def by_iteration(
+def errors(found: Mapping[int, ErrorShares]) -> str:
+    """Which errors of the supervised primary are safe, a row for each seed."""
+    rows = []
+    for seed, each in sorted(found.items()):
+        tau = each.held_out.tau_for_share
+        asked = NOTHING if tau is None else f"{tau:.3g} ({share(each.share)})"
+        safe = [share(of.share_safe) for of in (each.trained_on, each.held_out)]
+        rows.append([str(seed), f"{each.tau:g}", *safe, asked])
+    header = ["Seed", "tau", "Safe of D_0", "Safe of those held out", "tau for the paper's share"]
+    return table(header, rows)
+
+
+def by_track(experiment: Experiment) -> str:
+    """A row for each run and track, after the run's last iteration, over all its seeds."""
+    rows = [
+        [
+            experiment.title(run),
+            str(track),
+            *(measured(experiment, drives, *each) for each in BY_TRACK),
+        ]
+        for run in experiment.runs
+        for track, drives in experiment.among(
+            run=run, iteration=experiment.iterations(run)[-1]
+        ).groupby("scenario")
+    ]
+    header = [f"{METRICS[metric].title}, {strategy}" for metric, strategy in BY_TRACK]
+    return table(["Run", "Track", *header], rows, words=2)
+
+
+def endings(experiment: Experiment) -> Iterator[str]:
+    """How drives ended that did not do all laps, in counts: a table for each driving strategy that
+    has such drives; a sentence for the others.
+    """
+    for strategy in DRIVING:
+        drives = experiment.among(strategy=strategy)
+        header = ["Left the road", "Stopped on the road"]
+        titles = [f"{title}, {strategy}" for title in header]
+        rows = [
+            [
+                experiment.title(run),
+                str(iteration),
+                *(
+                    pair(_part(ended(group)) for group in _groups(experiment, here))
+                    for ended in (left_the_road, stopped_short)
+                ),
+            ]
+            for run in experiment.runs
+            for iteration in experiment.iterations(run)
+            if failed(here := among(drives, run=run, iteration=iteration)).any()
+        ]
+        if rows:
+            yield table(["Run", "Iteration", *titles], rows)
+        elif not drives.empty:
+            yield f"All {strategy} drives did {most_laps(experiment)} laps."
+
+
+def left_the_road(drives: pd.DataFrame) -> "pd.Series[bool]":
+    """Which of them ended beside the road."""
+    return drives.off_road > 0
+
+
+def stopped_short(drives: pd.DataFrame) -> "pd.Series[bool]":
+    """Which ended on the road before all laps were done: stood still, or out of time."""
+    return (drives.laps < drives["task.laps"]) & ~left_the_road(drives)
+
+
+def failed(drives: pd.DataFrame) -> "pd.Series[bool]":
+    """Which did not do all laps."""
+    return left_the_road(drives) | stopped_short(drives)
+
+
+def most_laps(experiment: Tables) -> str:
+    """After so many a drive is over."""
+    return f"{experiment.most(METRICS['laps']):g}"
+
+
+def estimates(
+    experiment: Tables, metric: str, run: str, iteration: int, strategy: Strategy
+) -> list[str]:
+    """In each condition, with its interval."""
+    form = FORMS[METRICS[metric].form].value
+    cells = [Cell(run, (iteration,), strategy, (where,)) for where in experiment.conditions]
+    return [brief_interval(estimate(experiment, metric, cell), form) for cell in cells]
+
+
+def measured(experiment: Tables, drives: pd.DataFrame, metric: str, strategy: Strategy) -> str:
+    """Of some drives, in each condition; NOTHING where nobody drove."""
+    form = FORMS[METRICS[metric].form].value
+    groups = _groups(experiment, among(drives, strategy=strategy))
+    return pair(NOTHING if each.empty else form(measure(each, METRICS)[metric]) for each in groups)
+
+
+def _groups(experiment: Tables, drives: pd.DataFrame) -> list[pd.DataFrame]:
+    return [among(drives, condition=where) for where in experiment.conditions]
+
+
+def _part(ended: "pd.Series[bool]") -> str:
+    return f"{ended.sum()} of {len(ended)}" if len(ended) else NOTHING
+
+
+def _by_iteration(
     experiment: Experiment,
-    runs: list[str],
-    header: list[str],
-    cells: Callable[[str, int], list[str]],
+    runs: Sequence[str],
+    header: Sequence[str],
+    cells: Callable[[str, int], Iterator[str]],
 ) -> str:
     """A row for each run and iteration."""
     rows = [
@@ -79,34 +206,3 @@ def by_iteration(
         for iteration in experiment.iterations(run)
     ]
     return table(["Run", "Iteration", *header], rows)
-
-
-def estimates(
-    experiment: Experiment, metric: str, run: str, iteration: int, strategy: Strategy
-) -> list[str]:
-    """Without and with traffic, each with its interval."""
-    form = FORMS[METRICS[metric].form].value
-    cells = [Cell(run, (iteration,), strategy, (where,)) for where in CONDITIONS]
-    return [brief_interval(estimate(experiment, metric, cell), form) for cell in cells]
-
-
-def spent(experiment: Experiment, run: str, iteration: int) -> tuple[float, float, float, float]:
-    """Queries and frames driven in the loop so far, the share of these by the reference, and frames
-    trained on: means over the seeds.
-    """
-    nothing = Ledger(0, 0, 0, 0, 0.0)
-    rows = []
-    for step in experiment.of(run, iteration):
-        loop = [experiment.steps[step.seed, run, i].ledger for i in range(1, iteration + 1)]
-        total = cumulative(loop)[-1] if loop else nothing
-        rows.append(
-            (total.queries, total.frames_driven, total.takeover, step.ledger.frames_trained)
-        )
-    queries, driven, takeover, trained = (fmean(column) for column in zip(*rows, strict=True))
-    return queries, driven, takeover, trained
-
-
-def _frames(experiment: Experiment, run: str, iteration: int, strategy: Strategy) -> list[str]:
-    """Frames that the primary drove, without and with traffic."""
-    drives = experiment.among(run=run, iteration=iteration, strategy=strategy)
-    return [count(int(among(drives, condition=each).primary_frames.sum())) for each in CONDITIONS]

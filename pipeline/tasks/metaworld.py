@@ -11,7 +11,7 @@ from gymnasium.spaces import Box, Dict
 
 from pipeline.data.schema import Feature
 from pipeline.environment import Environment, features_of
-from pipeline.metric import DRIVEN, Metric
+from pipeline.metric import DRIVEN, EVERYWHERE, Metric
 from pipeline.settings import Setting
 from pipeline.task import Task
 
@@ -43,7 +43,9 @@ class MetaWorld(Task):
     name: ClassVar[str] = "metaworld"
     robot: ClassVar[str] = "sawyer"
     metrics: ClassVar[Mapping[str, Metric]] = {
-        "success": Metric("Success", "share of drives", "share", "success"),
+        "success": Metric(
+            "Success", "share of drives", "share", "success", shown=(*EVERYWHERE, "dvc")
+        ),
         "steps": Metric("Frames of a drive", "frames", "amount", "frames"),
         **DRIVEN,
     }

@@ -15,18 +15,17 @@ from pipeline.data.merging import merge
 from pipeline.data.selecting import select
 from pipeline.data.writing import write_dataset
 from pipeline.driving.features import ROBOT_TYPE
-from pipeline.driving.metrics import METRICS
 from pipeline.driving.network import PrimaryNetwork
 from pipeline.driving.policy import PrimaryConfig, PrimaryPolicy
 from pipeline.evaluation.drives import table, write_drives
-from pipeline.evaluation.summary import summarise
-from pipeline.evaluation.writing import write_metrics
+from pipeline.evaluation.writing import write_metrics, write_rows
+from pipeline.metric import QUALITY
 from pipeline.policies.loading import policy_lineage, weights_sha256
 from pipeline.policies.network import SafetyNetwork
 from pipeline.policies.safety import SafetyConfig, SafetyPolicy
 from stages.cards import cards as run_stage
 from tests.episodes import JUDGED, LABELS, random_episode, write
-from tests.evaluation.sample import outcome
+from tests.evaluation.sample import CONDITIONS, outcome
 
 ALDER, BIRCH = "drive on alder with 3 other cars", "drive on birch with 0 other cars"
 
@@ -114,9 +113,7 @@ def _write_rollout(folder: Path, d_0: Dataset, policies: list[Lineage]) -> None:
 def _write_metrics(folder: Path, primary: str) -> None:
     drives = table([outcome(), outcome(traffic=3.0, damage=6.0)]).assign(primary=primary)
     write_drives(folder / "drives_0.csv", drives)
-    task = {"name": "driving", "tracks": "yew,random:9", "laps": 0.5}
-    evaluated = {"task": task, **summarise(drives, METRICS)}
-    write_metrics(folder / "driving_0.json", evaluated)
-    quality = {"auroc": 0.75, "recall": 0.6, "precision": 0.5, "share_unsafe": 0.25}
-    held_out = quality | {"share_predicted_unsafe": 0.3, "frames": 40}
-    write_metrics(folder / "safety_0.json", {"tau": 0.0025, "held_out": held_out})
+    write_metrics(folder / "driving_0.json", {"rows": CONDITIONS})
+    quality = {"tau": 0.0025, "auroc": 0.75, "recall": 0.6, "precision": 0.5, "frames": 40}
+    quality |= {"share_unsafe": 0.25, "share_predicted_unsafe": 0.3}
+    write_rows(folder / "safety_0.json", quality, QUALITY)

@@ -77,7 +77,8 @@ def _no_metrics(house: Path) -> None:
 
 
 def _half_metrics(house: Path) -> None:
-    (house / "metrics" / "safety_0.json").write_text('{"held_out": {"auroc": "high"}}')
+    file = house / "metrics" / "safety_0.json"
+    file.write_text(file.read_text().replace('"auroc": 0.75', '"auroc": "high"'))
 
 
 def _existing(house: Path) -> None:
@@ -95,8 +96,8 @@ def _existing(house: Path) -> None:
         (_half_written, "datasets/new_1: not a dataset"),
         (_no_weights, "models/safety_0/model.safetensors: "),
         (_no_policy, "the policy's type is 'act', expected 'safedagger_primary'"),
-        (_no_metrics, "metrics/driving_0.json: no strategy's drives"),
-        (_half_metrics, "metrics/safety_0.json: held_out.auroc is"),
+        (_no_metrics, "metrics/driving_0.json: the whole: Input should be "),
+        (_half_metrics, "metrics/safety_0.json: rows.0.auroc: Input should be a valid number"),
         (_existing, "cards/models: exists already"),
     ],
 )

@@ -7,19 +7,21 @@ import pytest
 
 from pipeline.claims.verdicts import Claim, verdicts
 from pipeline.claims.verdicts import claims as all_claims
+from pipeline.evaluation.experiment import Experiment, Tables
 from tests.evaluation.made_up import (
     FIRST,
     GOOD,
     GROWING,
+    NOTHING,
     SLOW,
     Level,
     Table,
     ending,
     experiment,
-    of_steps,
-    only,
     redriven,
     scattered,
+    undriven,
+    without,
 )
 
 NAMES = (
@@ -38,7 +40,7 @@ NAMES = (
     "fewer_queries_than_dagger_budget",
 )
 """Of the claims, in the order of the report."""
-NAMED = dict(zip(NAMES, all_claims(of_steps({})), strict=True))
+NAMED = dict(zip(NAMES, all_claims(experiment(GOOD)), strict=True))
 claims = SimpleNamespace(**NAMED)
 
 
@@ -228,31 +230,32 @@ def test_every_claim_can_fail_or_stay_open(
 
 
 def test_the_yardstick_is_met_on_every_seed_by_its_worst_case() -> None:
+    one = {"scenario": "willow", "start": 1, "strategy": "naive", "condition": "no_traffic"}
     first = experiment({"safedagger": GROWING, "dagger": SLOW}, seeds=2)
-    steps = dict(first.steps)
-    for run in ("safedagger", "dagger"):
-        step = steps[1, run, 0]
-        one = {"scenario": "willow", "start": 1, "strategy": "naive", "condition": "no_traffic"}
-        steps[1, run, 0] = redriven(step, {"laps": 0.29}, **one)
-    judged = claims.supervised_fails(of_steps(steps))
+    first = redriven(first, {"laps": 0.29}, seed=1, iteration=0, **one)
+    judged = claims.supervised_fails(first)
     assert judged.verdict == "holds"
     assert judged.evidence == (
         "seed 0: in 6 of 6 cases of track and traffic; worst is spruce with traffic, 1.50 of 3 "
         "laps; seed 1: in 6 of 6 cases of track and traffic; worst is willow without traffic, 0.29 "
         "of 3 laps"
     )
-    perfect = experiment({"safedagger": [PERFECT]}, seeds=2)
-    mixed = {**steps, **{key: perfect.steps[key] for key in perfect.steps if key[0] == 0}}
-    del mixed[0, "dagger", 0]
-    assert claims.supervised_fails(of_steps(mixed)).verdict == "undecided"
-    unmeasured = of_steps({(0, "dagger", 0): only(steps[0, "dagger", 0], strategy="safe")})
+    mixed = redriven(first, {"laps": 3.0}, seed=0)
+    assert claims.supervised_fails(mixed).verdict == "undecided"
+    unmeasured = undriven(experiment({"dagger": SLOW[:1]}), strategy="naive")
     assert claims.supervised_fails(unmeasured).evidence == "seed 0: not measured"
 
 
-def test_seeds_that_disagree_leave_it_open() -> None:
+def good_and_bad() -> Experiment:
+    """Seed 0 and seed 1."""
     good, bad = experiment(GOOD, seeds=2), experiment({**GOOD, "safedagger": SLOW}, seeds=2)
-    steps = {key: (bad if key[0] else good).steps[key] for key in good.steps}
-    judged = claims.reaches_three_laps_first(of_steps(steps))
+    parts = without(good, seed=1), without(bad, seed=0)
+    tables = Tables.joined(parts)
+    return Experiment(**vars(tables), specs=good.specs)
+
+
+def test_seeds_that_disagree_leave_it_open() -> None:
+    judged = claims.reaches_three_laps_first(good_and_bad())
     assert judged.verdict == "undecided"
     assert "seed 0: SafeDAgger after iteration 3, DAgger never; seed 1: SafeDAgger never" in (
         judged.evidence
@@ -286,17 +289,13 @@ def test_what_needs_no_loop_needs_its_drives() -> None:
     assert judged.verdict == "undecided"
     assert judged.evidence == "with traffic against without: not measured"
     assert claims.safe_drives_as_far(experiment({"dagger": SLOW[:2]})).verdict == "holds"
-    assert claims.safe_drives_as_far(of_steps({})).verdict == "undecided"
+    assert claims.safe_drives_as_far(NOTHING).verdict == "undecided"
 
 
 def test_seeds_without_the_whole_loop_do_not_count() -> None:
     """The second seed has no drives of safe in traffic, and would change the verdict."""
-    good, bad = experiment(GOOD, seeds=2), experiment({**GOOD, "safedagger": SLOW}, seeds=2)
-    steps = {key: (bad if key[0] else good).steps[key] for key in good.steps}
-    step = steps[1, "safedagger", 2]
-    kept = step.drives.query("strategy == 'naive' or traffic == 0")
-    steps[1, "safedagger", 2] = replace(step, drives=kept)
-    judged = claims.supervised_stays_behind(of_steps(steps))
+    cell = {"run": "safedagger", "iteration": 2, "strategy": "safe", "condition": "traffic"}
+    judged = claims.supervised_stays_behind(undriven(good_and_bad(), seed=1, **cell))
     assert judged == claims.supervised_stays_behind(experiment(GOOD))
 
 

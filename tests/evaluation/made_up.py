@@ -1,23 +1,24 @@
 """Experiments from small tables, whose verdicts are known."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
 import pandas as pd
 
-from pipeline.data.ledger import Ledger
 from pipeline.evaluation.drives import among, table
-from pipeline.evaluation.experiment import Experiment, Step
-from pipeline.evaluation.metrics_file import SafetyQuality
-from pipeline.report.material import ErrorShares, Material
+from pipeline.evaluation.experiment import D_SAFE, HELD_OUT, Experiment, Tables
+from pipeline.evaluation.files import ErrorShares
+from pipeline.metric import QUALITY
+from pipeline.report.material import Material
 from pipeline.rollout.strategies import Strategy
 from tests.evaluation.sample import CARS, COMPARISON, TRACKS, outcome
 
 FRAMES = 1000
 SPECS = COMPARISON.runs
 TITLES = {name: run.name for name, run in SPECS.items()}
-STRATEGIES, VARIANTS = (getattr(Experiment({}, SPECS), kind) for kind in ("strategies", "variants"))
+NOTHING = Experiment(specs=SPECS)
+STRATEGIES, VARIANTS = (getattr(NOTHING, kind) for kind in ("strategies", "variants"))
 
 
 @dataclass(frozen=True)
@@ -74,80 +75,104 @@ def ending(levels: list[Level], **changes: Any) -> list[Level]:
 
 
 def experiment(table: Table, seeds: int = 1, starts: int = 4) -> Experiment:
-    """Every run's iterations from 0, on all of TRACKS; the seeds are equal."""
-    return of_steps(
-        {
-            (seed, run, iteration): _step(seed, run, iteration, level, starts)
-            for seed in range(seeds)
-            for run, levels in table.items()
-            for iteration, level in enumerate(levels)
-        }
-    )
+    """Every run's iterations from 0, on all of TRACKS; the seeds are equal, each with a D_safe."""
+    steps = [
+        _step(seed, run, iteration, level, starts)
+        for seed in range(seeds)
+        for run, levels in table.items()
+        for iteration, level in enumerate(levels)
+    ]
+    d_safe = {"queries": 5600, "frames_driven": 5600, "frames_trained": 5600, "takeover": 1.0}
+    steps += [
+        Tables(ledgers=pd.DataFrame([{**_at(seed, D_SAFE, 0), **d_safe, "frames_selected": 5600}]))
+        for seed in range(seeds)
+    ]
+    return Experiment(**vars(Tables.joined(steps)), specs=SPECS)
 
 
-def of_steps(steps: Mapping[tuple[int, str, int], Step]) -> Experiment:
-    """With the runs of the comparison at the default scale."""
-    return Experiment(steps, SPECS)
+def without(made_up: Experiment, **values: Any) -> Experiment:
+    """Without the steps that have these values."""
+    return made_up.keeping(lambda rows: ~rows.index.isin(among(rows, **values).index))
 
 
-def changed(made_up: Experiment, change: Callable[[Step], Step]) -> Experiment:
-    """The same, but for what `change` makes of each step."""
-    return of_steps({key: change(step) for key, step in made_up.steps.items()})
+def undriven(made_up: Experiment, **values: Any) -> Experiment:
+    """Without the drives that have these values."""
+    return replace(made_up, drives=made_up.drives.drop(made_up.among(**values).index))
 
 
-def with_optimal(step: Step, **changes: Any) -> Step:
-    """With drives like the safe ones, but for the `changes`, under the optimal safety policy."""
-    optimal = among(step.drives, strategy=Strategy.SAFE).assign(strategy="optimal", **changes)
-    return replace(step, drives=pd.concat([step.drives, optimal], ignore_index=True))
-
-
-def only(step: Step, **values: Any) -> Step:
-    """With those of its drives that have these values."""
-    return replace(step, drives=among(step.drives, **values))
-
-
-def redriven(step: Step, changes: Mapping[str, Any], **values: Any) -> Step:
+def redriven(made_up: Experiment, changes: Mapping[str, Any], **values: Any) -> Experiment:
     """With other columns in those of its drives that have these values; a change may be a function
-    of the drives."""
-    drives = step.drives.copy()
-    rows = among(drives, **values).index
-    for name, value in changes.items():
-        drives[name] = drives[name].astype(float) if name in drives else 0.0
-        drives.loc[rows, name] = value(drives.loc[rows]) if callable(value) else value
-    return replace(step, drives=drives)
+    of the drives.
+    """
+    return replace(made_up, drives=_changed(made_up.drives, changes, **values))
+
+
+def reckoned(made_up: Experiment, changes: Mapping[str, Any], **values: Any) -> Experiment:
+    """The same with its ledgers."""
+    return replace(made_up, ledgers=_changed(made_up.ledgers, changes, **values))
+
+
+def judged(made_up: Experiment, judged_on: str, changes: Mapping[str, Any]) -> Experiment:
+    """With safety policies that were judged on something so."""
+    others = made_up.quality[made_up.quality.judged_on != judged_on]
+    rows = made_up.quality[made_up.quality.judged_on == HELD_OUT].assign(judged_on=judged_on)
+    return replace(made_up, quality=pd.concat([others, _changed(rows, changes)]))
+
+
+def with_optimal(
+    made_up: Experiment, runs: Sequence[str] | None = None, **changes: Any
+) -> Experiment:
+    """With drives like the safe ones of some runs, all by default, but for the `changes`, under the
+    optimal safety policy.
+    """
+    safe = made_up.among(strategy=Strategy.SAFE, run=list(runs or made_up.runs))
+    optimal = _changed(safe, changes).assign(strategy="optimal")
+    return replace(made_up, drives=pd.concat([made_up.drives, optimal], ignore_index=True))
 
 
 def material(made_up: Experiment, **changes: Any) -> Material:
-    """An experiment, and each seed's D_safe and errors; nothing else beside it."""
+    """An experiment, and each seed's errors; nothing else beside it."""
+    safe = {"trained_on": {"share_safe": 0.95}, "held_out": {"share_safe": 0.8}}
+    safe["held_out"]["tau_for_share"] = 0.0018
+    shares = ErrorShares.model_validate({"tau": 0.0025, "share": 0.777, **safe})
     parts: dict[str, Any] = {
-        "thresholds": {},
-        "scratch": of_steps({}),
-        "d_safe": {seed: Ledger(5600, 5600, 5600, 5600, 1.0) for seed in made_up.seeds},
-        "errors": {
-            seed: ErrorShares(0.0025, 0.95, 0.8, share=0.777, tau_for_share=0.0018)
-            for seed in made_up.seeds
-        },
+        "thresholds": Tables(),
+        "scratch": Tables(),
+        "errors": dict.fromkeys(made_up.seeds, shares),
     }
     return Material(made_up, **parts | changes)
 
 
-def _step(seed: int, run: str, iteration: int, level: Level, starts: int) -> Step:
-    return Step(
-        seed=seed,
-        run=run,
-        iteration=iteration,
-        name=f"{run}_{iteration}" if iteration else "0",
-        drives=table(
-            _drive(level, strategy, number, track, start)
-            for strategy in (Strategy.NAIVE, Strategy.SAFE)
-            for number in (0, 1)
-            for track in TRACKS
-            for start in range(starts)
-        ),
-        ledger=Ledger(FRAMES, level.queries, FRAMES, FRAMES, 0.3),
-        tau=0.0025,
-        held_out=SafetyQuality(None, None, None, None, None),
-        next_rollout=None,
+def _changed(rows: pd.DataFrame, changes: Mapping[str, Any], **values: Any) -> pd.DataFrame:
+    rows = rows.reset_index(drop=True)
+    here = among(rows, **values).index
+    for name, value in changes.items():
+        rows[name] = rows[name].astype(float) if name in rows else 0.0
+        rows.loc[here, name] = value(rows.loc[here]) if callable(value) else value
+    return rows
+
+
+def _at(seed: int, run: str, iteration: int) -> dict[str, Any]:
+    step = f"{run}_{iteration}" if iteration else "0"
+    return {"seed": seed, "run": run, "iteration": iteration, "step": step}
+
+
+def _step(seed: int, run: str, iteration: int, level: Level, starts: int) -> Tables:
+    at = _at(seed, run, iteration)
+    drives = table(
+        _drive(level, strategy, number, track, start)
+        for strategy in (Strategy.NAIVE, Strategy.SAFE)
+        for number in (0, 1)
+        for track in TRACKS
+        for start in range(starts)
+    )
+    ledger = {"frames_driven": FRAMES, "queries": level.queries, "frames_selected": FRAMES}
+    ledger |= {"frames_trained": FRAMES, "takeover": 0.3}
+    nothing = dict.fromkeys(QUALITY, float("nan"))
+    return Tables(
+        drives=drives.assign(**at, **{"task.laps": 3.0}),
+        ledgers=pd.DataFrame([at | ledger]),
+        quality=pd.DataFrame([{**at, "judged_on": HELD_OUT, "tau": 0.0025, **nothing}]),
     )
 
 

@@ -7,7 +7,8 @@ from typing import Any
 import pandas as pd
 
 from pipeline.evaluation.drives import table, write_drives
-from pipeline.evaluation.writing import write_metrics
+from pipeline.evaluation.writing import write_metrics, write_rows
+from pipeline.metric import QUALITY, SPENT
 from pipeline.output import write_file
 from pipeline.runs import Comparison, read_params
 
@@ -15,6 +16,10 @@ ROOT = Path(__file__).parents[2]
 COMPARISON = Comparison.of(read_params(ROOT / "scales/experiment.yaml"))
 TRACKS = ("spruce", "willow", "yew")
 CARS = 40
+CONDITIONS = [
+    {"condition": name, "name": "driving", "laps": 3.0, "tracks": ",".join(TRACKS)}
+    for name in ("no_traffic", "traffic")
+]
 # (laps, damage, share driven by the reference) of iterations 0 to 3
 GOOD: dict[tuple[str, int], tuple[tuple[float, float, float], ...]] = {
     ("naive", 0): ((1.4, 0, 0), (2.2, 0, 0), (3.0, 0, 0), (3.0, 0, 0)),
@@ -86,6 +91,8 @@ def _drive(
 
 def quality(auroc: float | None) -> dict[str, float | None]:
     return {
+        "tau": 0.0025,
+        "frames": 40,
         "auroc": auroc,
         "recall": None if auroc is None else auroc - 0.3,
         "precision": None if auroc is None else auroc - 0.2,
@@ -108,15 +115,14 @@ def write_run(metrics: Path, plan: Mapping = GOOD, iterations: int = 3) -> Path:
             "frames_trained": 3600 + sum(1400 - 300 * j for j in range(1, i + 1)),
             "takeover": 1.0 if i == 0 else (1400 - 300 * i) / (3600 + 10 * i),
         }
-        write_metrics(metrics / f"ledger_D_{step}.json", ledger)
-        safety = {"tau": 0.0025, "held_out": quality(0.9)}
-        write_metrics(metrics / f"safety_{step}.json", safety)
+        write_metrics(metrics / f"driving_{step}.json", {"rows": CONDITIONS})
+        write_rows(metrics / f"ledger_D_{step}.json", ledger, SPENT)
+        write_rows(metrics / f"safety_{step}.json", quality(0.9), QUALITY)
         if i > 0:
-            rollout = {"tau": 0.0025, "rollout": quality(0.8 - i / 50)}
-            write_metrics(metrics / f"rollout_{step}.json", rollout)
+            write_rows(metrics / f"rollout_{step}.json", quality(0.8 - i / 50), QUALITY)
     d_safe = {"frames_selected": 1201, "frames_trained": 1201, "takeover": 1.0}
     d_safe |= {"frames_driven": 1201, "queries": 1201}
-    write_metrics(metrics / "ledger_D_safe.json", d_safe)
+    write_rows(metrics / "ledger_D_safe.json", d_safe, SPENT)
     errors = {"trained_on": {"share_safe": 0.95}, "tau": 0.0025, "share": 0.777}
     errors |= {"held_out": {"share_safe": 0.8, "tau_for_share": 0.0018}}
     write_metrics(metrics / "errors.json", errors)

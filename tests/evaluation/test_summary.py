@@ -12,9 +12,10 @@ from hypothesis import strategies as st
 
 from pipeline.driving.metrics import METRICS
 from pipeline.evaluation.drives import among, table
-from pipeline.evaluation.summary import measure, summarise
-from pipeline.evaluation.writing import write_metrics
-from tests.evaluation.sample import drives, outcome
+from pipeline.evaluation.summary import headline, measure
+from pipeline.evaluation.writing import write_metrics, write_rows
+from pipeline.metric import QUALITY
+from tests.evaluation.sample import drives, outcome, quality
 
 
 def measured(*rows: dict[str, Any]) -> dict[str, Any]:
@@ -36,7 +37,6 @@ def test_the_steering_error_is_per_frame_of_the_primary() -> None:
     short = outcome(frames=300, takeover_frames=200, primary_frames=100, deviation_sum=5.0)
     pooled = measured(long, short)
     assert pooled["steering_mse"] == 8.0 / 400
-    assert pooled["measuring_queries"] == 400
     assert pooled["takeover"] == 200 / 600
     reference = outcome(takeover_frames=500, primary_frames=0, deviation_sum=0.0)
     assert measured(reference)["steering_mse"] is None
@@ -46,13 +46,12 @@ def test_the_steering_error_is_per_frame_of_the_primary() -> None:
 def test_where_nobody_can_be_looked_up_nothing_is_measured() -> None:
     unknown = measured(outcome(deviation_sum=math.nan))
     assert unknown["steering_mse"] is None
-    assert unknown["measuring_queries"] == 0
     assert unknown["takeover"] == 0.0
 
 
 def test_off_road_is_a_share_of_the_drives() -> None:
     left = measured(*(outcome(off_road=off_road) for off_road in (1.0, 0.0, 0.0, 1.0)))
-    assert (left["off_road"], left["drives"], left["frames"]) == (0.5, 4, 2000)
+    assert left["off_road"] == 0.5
 
 
 def test_takeovers_have_a_mean_length_and_drivers_change_so_often_a_lap() -> None:
@@ -77,23 +76,32 @@ def test_pooled_error_is_between_least_and_largest(parts: list[tuple[float, int]
 @given(st.integers(0, 2**32 - 1))
 def test_the_order_of_the_drives_does_not_matter(seed: int) -> None:
     shuffled = drives(1).sample(frac=1, random_state=seed)
-    assert summarise(shuffled, METRICS) == summarise(drives(1), METRICS)
+    assert measure(shuffled, METRICS) == measure(drives(1), METRICS)
 
 
-def test_summary_is_by_strategy_and_condition() -> None:
-    summary = summarise(drives(1), METRICS)
-    assert {name: set(conditions) for name, conditions in summary.items()} == {
-        "naive": {"no_traffic", "traffic"},
-        "safe": {"no_traffic", "traffic"},
+def test_dvc_shows_few_numbers_of_each_policy(tmp_path: Path) -> None:
+    found = headline(drives(1), METRICS)
+    assert {name: set(metrics) for name, metrics in found.items()} == {
+        "naive": {"laps"},
+        "safe": {"laps", "takeover"},
     }
-    in_traffic = among(drives(1), strategy="safe", condition="traffic")
-    assert summary["safe"]["traffic"] == measure(in_traffic, METRICS)
+    safe = measure(among(drives(1), strategy="safe"), METRICS)
+    assert found["safe"]["laps"] == safe["laps"]
+    alone = headline(among(drives(1), strategy="naive"), METRICS)
+    assert set(alone) == {"naive"}
 
 
-@pytest.mark.parametrize("metrics_of", [measure, summarise])
-def test_no_drives_no_metrics(metrics_of) -> None:
+def test_of_a_row_dvc_shows_what_its_metrics_say(tmp_path: Path) -> None:
+    """It takes numbers and text for metrics, and no lists."""
+    write_rows(tmp_path / "safety_0.json", quality(0.9), QUALITY)
+    written = json.loads((tmp_path / "safety_0.json").read_text())
+    assert written.pop("rows") == [pytest.approx(quality(0.9))]
+    assert written == pytest.approx({"auroc": 0.9, "recall": 0.6})
+
+
+def test_no_drives_no_metrics() -> None:
     with pytest.raises(ValueError, match="no drives, expected at least one"):
-        metrics_of(drives(1)[:0], METRICS)
+        measure(drives(1)[:0], METRICS)
 
 
 def test_metrics_are_strict_json_with_stable_bytes(tmp_path: Path) -> None:
@@ -120,10 +128,3 @@ def test_metrics_that_are_no_json_leave_nothing(tmp_path: Path) -> None:
     with pytest.raises(TypeError):
         write_metrics(tmp_path / "metrics.json", {"a": {1, 2}})
     assert not list(tmp_path.iterdir())
-
-
-def test_dvc_finds_the_leaves(tmp_path: Path) -> None:
-    write_metrics(tmp_path / "driving_0.json", summarise(drives(0), METRICS))
-    written = json.loads((tmp_path / "driving_0.json").read_text())
-    for leaf in ("laps", "damage_per_lap", "steering_mse", "takeover"):
-        assert isinstance(written["naive"]["no_traffic"][leaf], float | int)

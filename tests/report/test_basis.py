@@ -1,10 +1,7 @@
 """What the report rests on, and how sure it is."""
 
-from dataclasses import replace
-
-from pipeline.data.ledger import Ledger
-from pipeline.evaluation.experiment import Step
-from tests.evaluation.made_up import FRAMES, GOOD, GROWING, changed, experiment
+from pipeline.evaluation.experiment import D_SAFE
+from tests.evaluation.made_up import FRAMES, GOOD, GROWING, experiment, reckoned
 from tests.report.rendered import report
 
 ALONE = {"safedagger": GROWING}
@@ -18,16 +15,13 @@ def block(text: str, beginning: str) -> str:
 def test_what_was_asked_only_to_measure_stands_apart() -> None:
     """By seed 0: 500 frames of a rollout without a query, seed 1: 1,500."""
 
-    def driven(step: Step) -> Step:
-        frames = step.ledger.queries + (500 + 1000 * step.seed) * (step.iteration == 1)
-        trained = 2000 + 10 * step.iteration
-        return replace(
-            step, ledger=replace(step.ledger, frames_driven=frames, frames_trained=trained)
-        )
-
-    made_up = changed(experiment(ALONE, seeds=2, starts=1), driven)
-    d_safe = {seed: Ledger(1, 5000 + 200 * seed, 1, 1, 1.0) for seed in (0, 1)}
-    cost = block(report(made_up, d_safe=d_safe), "**Cost.**")
+    changes = {
+        "frames_driven": lambda of: of.queries + (500 + 1000 * of.seed) * (of.iteration == 1),
+        "frames_trained": lambda of: 2000 + 10 * of.iteration,
+    }
+    made_up = reckoned(experiment(ALONE, seeds=2, starts=1), changes, run="safedagger")
+    made_up = reckoned(made_up, {"queries": lambda of: 5000 + 200 * of.seed}, run=D_SAFE)
+    cost = block(report(made_up), "**Cost.**")
     assert (
         "SafeDAgger asked 7,000 queries a seed, on average, in 8,000 frames driven, after 3,000 "
         "queries for D_0 and 5,100 for D_safe; its last primary was trained on 2,030 frames."

@@ -1,7 +1,6 @@
 """The figures show what the experiment has, where it is, and nothing else."""
 
 from collections.abc import Callable
-from dataclasses import replace
 from functools import partial
 from itertools import pairwise
 
@@ -10,7 +9,7 @@ import numpy as np
 import pytest
 from matplotlib.figure import Figure
 
-from pipeline.evaluation.experiment import Experiment, Step
+from pipeline.evaluation.experiment import Experiment
 from pipeline.inspection.canvas import png
 from pipeline.report.figures import (
     TITLES as FIGURES,
@@ -26,16 +25,16 @@ from pipeline.report.figures import (
 from tests.evaluation.made_up import (
     FULL,
     GROWING,
+    NOTHING,
     SLOW,
     SPECS,
     STRATEGIES,
     TITLES,
     VARIANTS,
-    changed,
     experiment,
-    of_steps,
-    only,
+    reckoned,
     redriven,
+    undriven,
     with_optimal,
 )
 from tests.report.drawn import curves, panels, words
@@ -145,14 +144,10 @@ def test_driving_has_a_line_for_each_run_with_its_metric() -> None:
 def test_a_panel_is_drawn_as_soon_as_one_drive_differs() -> None:
     """In one iteration of one run, by a hundredth of a lap."""
 
-    def slower(step: Step) -> Step:
-        one = {"strategy": "safe", "condition": "no_traffic", "start": 0, "scenario": "yew"}
-        here = (step.run, step.iteration) == ("dagger", 2)
-        return redriven(step, {"laps": 2.99}, **one) if here else step
-
-    figure = driving(
-        changed(experiment({"dagger": SLOW, "safedagger": GROWING}), slower), STRATEGIES
-    )
+    one = {"strategy": "safe", "condition": "no_traffic", "start": 0, "scenario": "yew"}
+    made_up = experiment({"dagger": SLOW, "safedagger": GROWING})
+    slower = redriven(made_up, {"laps": 2.99}, run="dagger", iteration=2, **one)
+    figure = driving(slower, STRATEGIES)
     assert ("Laps: safe, no traffic", "iteration") in panels(figure)
     assert words(figure).endswith("Laps 3.00: safe, traffic.")
 
@@ -164,10 +159,8 @@ def test_where_nothing_differs_in_any_panel_all_are_drawn() -> None:
 
 
 def test_damage_is_shown_per_lap() -> None:
-    def damaged(step: Step) -> Step:
-        return redriven(step, {"damage": lambda drives: step.iteration * drives.laps})
-
-    hit = changed(experiment({"dagger": SLOW}), damaged)
+    damage = {"damage": lambda drives: drives.iteration * drives.laps}
+    hit = redriven(experiment({"dagger": SLOW}), damage)
     for where in ("no traffic", "traffic"):
         (points,) = curves(
             panels(driving(hit, STRATEGIES))[f"Damage per lap: naive, {where}", "iteration"]
@@ -186,12 +179,11 @@ def test_takeover_is_that_of_the_safe_strategy() -> None:
 def test_laps_stand_over_the_mean_cost_of_the_seeds() -> None:
     made_up = experiment({"dagger": SLOW}, seeds=2)
 
-    def dearer(step: Step) -> Step:
-        queries = step.ledger.queries + 1000 * step.seed * step.iteration
-        trained = 2000 + 100 * step.iteration + 200 * step.seed
-        return replace(step, ledger=replace(step.ledger, queries=queries, frames_trained=trained))
-
-    shown = panels(cost(changed(made_up, dearer), STRATEGIES))
+    dearer = {
+        "queries": lambda of: of.queries + 1000 * of.seed * of.iteration,
+        "frames_trained": lambda of: 2000 + 100 * of.iteration + 200 * of.seed,
+    }
+    shown = panels(cost(reckoned(made_up, dearer), STRATEGIES))
     asked = curves(shown["Laps: naive, no traffic", "queries of the loop so far, log scale"])[
         "DAgger"
     ]
@@ -219,10 +211,7 @@ def test_the_optimal_safety_policy_is_shown_beside_the_learned_ones(whole: Exper
 
 def test_only_what_is_there_is_drawn() -> None:
     """One run of two iterations, in which nobody met traffic."""
-    alone = changed(
-        experiment({"supervised": SLOW[:2]}, starts=1),
-        lambda step: only(step, condition="no_traffic"),
-    )
+    alone = undriven(experiment({"supervised": SLOW[:2]}, starts=1), condition="traffic")
     figures = [driving(alone, STRATEGIES), takeover(alone, STRATEGIES), cost(alone, STRATEGIES)]
     assert [len(panels(figure)) for figure in figures] == [3, 1, 2]
     for figure in figures:
@@ -235,14 +224,12 @@ def test_there_is_no_figure_of_nothing() -> None:
     made_up = experiment({"dagger": SLOW})
     assert driving(made_up, VARIANTS) is None
     assert takeover(made_up, ()) is None
-    assert cost(of_steps({}), STRATEGIES) is None
+    assert cost(NOTHING, STRATEGIES) is None
     assert optimal(made_up) is None
 
 
 def test_the_optimal_safety_policy_of_iteration_0_alone_is_no_row() -> None:
     """That iteration is other runs', too."""
-    first = changed(
-        experiment({"safedagger_rising": GROWING}),
-        lambda step: step if step.iteration else with_optimal(step),
-    )
+    made_up = with_optimal(experiment({"safedagger_rising": GROWING}))
+    first = undriven(made_up, strategy="optimal", iteration=[1, 2, 3])
     assert optimal(first) is None

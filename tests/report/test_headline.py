@@ -9,8 +9,8 @@ from tests.evaluation.made_up import (
     SLOW,
     ending,
     experiment,
-    of_steps,
     redriven,
+    without,
 )
 from tests.report.rendered import report
 
@@ -57,8 +57,8 @@ def test_the_first_screen_follows_the_data() -> None:
         },
         seeds=2,
     )
-    partly = {key: step for key, step in made_up.steps.items() if key[:2] != (0, "dagger")}
-    headline = report(of_steps(partly)).split("\n\n")[2]
+    partly = without(made_up, seed=0, run="dagger")
+    headline = report(partly).split("\n\n")[2]
     assert "of SafeDAgger, at 42,000 queries, it completes 1.00 and 0.50" in headline
     assert "After iteration 1 of DAgger on seed 1, at 15,000 queries, it completes" in headline
     assert "SafeDAgger asked 2.8 times as many queries in the loop; with" in headline
@@ -84,10 +84,8 @@ def test_when_all_laps_were_first_done_and_lost_again() -> None:
     """A single drive of one seed is enough to lose them."""
     levels = [FULL, GROWING[0], FULL, FULL]
     made_up = experiment({"safedagger": [GROWING[0], *levels]}, seeds=2)
-    step = made_up.steps[1, "safedagger", 4]
     one = {"scenario": "yew", "start": 0, "strategy": "naive", "condition": "traffic"}
-    last = redriven(step, {"laps": 2.99}, **one)
-    lost = of_steps({**made_up.steps, (1, "safedagger", 4): last})
+    lost = redriven(made_up, {"laps": 2.99}, seed=1, iteration=4, **one)
     assert (
         "All 48 naive drives did 3 laps first after iteration 1, at 1,000 queries, but no longer "
         "after iteration 2 and 4." in report(lost)
@@ -96,7 +94,7 @@ def test_when_all_laps_were_first_done_and_lost_again() -> None:
 
 def test_runs_that_share_no_seed_have_no_factor() -> None:
     made_up = experiment({"safedagger": GROWING, "dagger": SLOW}, seeds=2)
-    apart = {key: made_up.steps[key] for key in made_up.steps if key[0] == (key[1] == "dagger")}
-    headline = report(of_steps(apart)).split("\n\n")[2]
+    apart = without(without(made_up, seed=1, run="safedagger"), seed=0, run="dagger")
+    headline = report(apart).split("\n\n")[2]
     assert "of SafeDAgger on seed 0" in headline and "of DAgger on seed 1" in headline
     assert "times" not in headline

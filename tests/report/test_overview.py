@@ -6,7 +6,7 @@ import pytest
 
 from pipeline.report.overview import HEADER, overview
 from tests.command import run
-from tests.evaluation.made_up import GROWING, SLOW, experiment, of_steps, only
+from tests.evaluation.made_up import GROWING, SLOW, experiment, undriven
 from tests.evaluation.sample import write_run
 
 
@@ -31,11 +31,9 @@ def test_a_row_a_step_with_what_it_came_to() -> None:
 
 
 def test_what_was_not_driven_has_no_number() -> None:
-    made_up = experiment({"safedagger": GROWING[:1]})
-    step = made_up.steps[0, "safedagger", 0]
-    quiet = only(step, condition="no_traffic", strategy="naive")
-    (row,) = overview(of_steps({(0, "safedagger", 0): quiet}))
-    assert row[3:6] == ["2.00 / -", "- / -", "- / -"]
+    quiet = undriven(experiment({"safedagger": GROWING[:1]}), condition="traffic", strategy="naive")
+    (row,) = overview(undriven(quiet, condition="no_traffic", strategy="safe"))
+    assert row[3:6] == ["2.00 / -", "- / 3.00", "- / 20.0 %"]
 
 
 def test_results_are_printed_whole_where_there_is_no_terminal(

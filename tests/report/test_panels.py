@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from pipeline.evaluation.comparison import Cell, estimate
-from pipeline.evaluation.experiment import Experiment, Step
+from pipeline.evaluation.experiment import Experiment
 from pipeline.inspection.canvas import png
 from pipeline.report.figures import cost, driving, takeover
 from pipeline.report.looks import of_key
@@ -13,12 +13,11 @@ from pipeline.rollout.strategies import Strategy
 from tests.evaluation.made_up import (
     FRAMES,
     GROWING,
+    NOTHING,
     SLOW,
     STRATEGIES,
     VARIANTS,
-    changed,
     experiment,
-    of_steps,
     redriven,
 )
 from tests.report.drawn import curves, panels
@@ -87,12 +86,9 @@ def test_runs_of_different_length_share_a_panel() -> None:
 def test_what_is_not_defined_leaves_a_gap() -> None:
     """The primary never drives in iteration 1, and nowhere under the safe strategy."""
 
-    def idle(step: Step) -> Step:
-        none = {"primary_frames": 0, "deviation_sum": 0.0, "takeover_frames": FRAMES}
-        strategies = ("naive", "safe") if step.iteration == 1 else ("safe",)
-        return redriven(step, none, strategy=strategies)
-
-    figure = driving(changed(experiment({"dagger": SLOW}), idle), STRATEGIES)
+    none = {"primary_frames": 0, "deviation_sum": 0.0, "takeover_frames": FRAMES}
+    idle = redriven(experiment({"dagger": SLOW}), none, strategy="safe")
+    figure = driving(redriven(idle, none, iteration=1), STRATEGIES)
     shown = panels(figure)
     naive = curves(shown["Steering MSE: naive, no traffic", "iteration"])["DAgger"]
     assert [np.isnan(y) for _, y in naive] == [False, True, False, False]
@@ -104,7 +100,7 @@ def test_what_is_not_defined_leaves_a_gap() -> None:
 def test_lines_of_a_panel_differ_in_marker_and_brightness() -> None:
     """At least 8 of the 100 steps of CIELAB's L*, and for grey prints as many."""
     for runs in (STRATEGIES, VARIANTS, (Strategy.SAFE, Strategy.OPTIMAL)):
-        looks = [of_key(of_steps({}), run)[1:] for run in runs]
+        looks = [of_key(NOTHING, run)[1:] for run in runs]
         assert len({marker for _, marker in looks}) == len(runs)
         levels = sorted(_brightness(colour) for colour, _ in looks)
         assert min(np.diff(levels)) >= 8

@@ -3,23 +3,32 @@
 from dataclasses import replace
 
 from pipeline.claims.verdicts import verdicts
+from pipeline.evaluation.experiment import Experiment, Tables
+from pipeline.evaluation.reading import SCRATCH, WARM
 from tests.evaluation.made_up import (
     FULL,
     GOOD,
     GROWING,
     SLOW,
     SPECS,
-    changed,
     ending,
     experiment,
-    of_steps,
-    only,
     scattered,
+    undriven,
     with_optimal,
+    without,
 )
 from tests.report.rendered import ERRORS, report, rows, section
 
 ALONE = {"safedagger": GROWING}
+RUNS = (WARM, SCRATCH)
+
+
+def named(made_up: Experiment, run: str) -> Tables:
+    """All its steps, as those of this run."""
+    return Tables(
+        drives=made_up.drives.assign(run=run, step=run), quality=made_up.quality.assign(run=run)
+    )
 
 
 def test_every_verdict_stands_with_its_numbers() -> None:
@@ -38,10 +47,8 @@ def test_sections_come_in_order_and_without_runs_they_are_left_out() -> None:
         return [line.lstrip("# ") for line in text.splitlines() if line.startswith("##")]
 
     made_up = experiment(GOOD)
-    tau = {0.01: experiment({"safedagger": GROWING[:1]})}
-    pairs = experiment({"safedagger": GROWING})
-    scratch = replace(pairs.steps[0, "safedagger", 3], run="scratch")
-    pairs = of_steps({**pairs.steps, (0, "scratch", 3): scratch})
+    tau = named(experiment({"safedagger": GROWING[:1]}), "0.01")
+    pairs = Tables.joined([named(experiment({"safedagger": GROWING[:1]}), r) for r in RUNS])
     every = [
         "Claims of the paper",
         "Over the iterations",
@@ -96,14 +103,10 @@ def test_of_the_pictures_of_seeds_the_first_is_shown_and_the_others_linked() -> 
 
 def test_nothing_is_missing_of_a_whole_experiment() -> None:
     """The variants are not driven with the optimal safety policy."""
-    whole = changed(
-        experiment(GOOD, seeds=2),
-        lambda step: step if step.run.startswith("safedagger_") else with_optimal(step),
-    )
-    beside = {
-        "thresholds": {0.01: whole},
-        "scratch": of_steps({(0, "scratch", 3): whole.steps[0, "dagger", 3]}),
-    }
+    driven = [run for run in SPECS if not run.startswith("safedagger_")]
+    whole = with_optimal(experiment(GOOD, seeds=2), driven)
+    first = experiment({"dagger": SLOW[:1]})
+    beside = {"thresholds": named(first, "0.01"), "scratch": named(first, SCRATCH)}
     assert (
         section(report(whole, **beside), "What is missing").strip()
         == "No run, seed or picture is missing."
@@ -112,17 +115,13 @@ def test_nothing_is_missing_of_a_whole_experiment() -> None:
 
 def test_what_is_missing_is_named() -> None:
     table = {run: levels for run, levels in GOOD.items() if run not in ("supervised", "dagger")}
-    steps = dict(changed(experiment(table, seeds=2), with_optimal).steps)
-    del steps[1, "safedagger", 2], steps[1, "safedagger", 3]
-    for i in range(4):
-        del steps[1, "safedagger_last", i]
-        for seed in range(2):
-            step = steps[seed, "dagger_budget", i]
-            steps[seed, "dagger_budget", i] = only(step, strategy=["naive", "safe"])
-    cut = steps[0, "safedagger_max", 1]
-    kept = cut.drives.query("strategy != 'safe' or traffic == 0 or scenario != 'yew'")
-    steps[0, "safedagger_max", 1] = replace(cut, drives=kept)
-    found = section(report(of_steps(steps), errors={}), "What is missing").strip().splitlines()
+    found = with_optimal(experiment(table, seeds=2))
+    found = without(found, seed=1, run="safedagger", iteration=[2, 3])
+    found = without(found, seed=1, run="safedagger_last")
+    found = undriven(found, run="dagger_budget", strategy="optimal")
+    cut = {"seed": 0, "run": "safedagger_max", "iteration": 1, "strategy": "safe"}
+    found = undriven(found, **cut, condition="traffic", scenario="yew")
+    found = section(report(found, errors={}), "What is missing").strip().splitlines()
     assert found == [
         "- DAgger: no results, hence no verdict on 4 claims.",
         "- supervised: no results, hence no verdict on 1 claim.",
@@ -138,23 +137,29 @@ def test_what_is_missing_is_named() -> None:
 
 
 def test_a_condition_that_nobody_met_is_missing() -> None:
-    quiet = changed(
-        experiment({"dagger": SLOW[:1]}),
-        lambda step: only(step, condition="no_traffic"),
-    )
-    text = report(quiet)
-    assert "Traffic: no cars." in text
-    assert "- DAgger, seed 0, iteration 0: 0 of 12 drives of naive, with traffic." in text
-    assert rows(section(text, "In numbers"), "Laps, naive")["DAgger", "0"][0] == "2.00 / -"
+    made_up = experiment({"dagger": SLOW[:2]})
+    text = report(undriven(made_up, condition="traffic", iteration=1))
+    assert "- DAgger, seed 0, iteration 1: 0 of 12 drives of naive, with traffic." in text
+    assert rows(section(text, "In numbers"), "Laps, naive")["DAgger", "1"][0] == "2.10 / -"
+
+
+def test_what_conditions_there_are_is_in_the_data() -> None:
+    text = report(undriven(experiment({"dagger": SLOW[:1]}), condition="traffic"))
+    assert "Traffic: no cars." in text and "completes 2.00 of 3 laps without traffic." in text
+    assert "0 of 12 drives" not in text
+    assert rows(section(text, "In numbers"), "Laps, naive")["DAgger", "0"][0] == "2.00"
 
 
 def test_equal_experiments_give_equal_bytes() -> None:
     """In whatever order they were read; here with a drive missing in each step."""
-    made_up = changed(
-        experiment({"dagger": scattered(SLOW), "safedagger": scattered(GROWING)}, seeds=2),
-        lambda step: replace(step, drives=step.drives[1:]),
-    )
-    backwards = of_steps(dict(reversed(made_up.steps.items())))
+    made_up = experiment({"dagger": scattered(SLOW), "safedagger": scattered(GROWING)}, seeds=2)
+    one = {"strategy": "naive", "condition": "no_traffic", "scenario": "spruce", "start": 0}
+    made_up = undriven(made_up, **one)
+    turned = {
+        name: getattr(made_up, name).sort_values("seed", ascending=False, kind="stable")
+        for name in ("drives", "ledgers", "quality")
+    }
+    backwards = replace(made_up, **turned)
     assert report(made_up) == report(made_up) == report(backwards)
     assert report(made_up).count(" drives of naive, without traffic.") == 16
 

@@ -1,35 +1,31 @@
 """Where a run falls short: by seed, strategy, condition and track, with how the drives ended."""
 
-from pipeline.evaluation.experiment import Step
 from pipeline.report.shortfalls import falls_short
 from tests.evaluation.made_up import FULL, experiment, redriven
 
 
-def steps(*changes: tuple[int, str, int, int, dict]) -> list[Step]:
+def shown(*changes: tuple[int, str, int, int, dict]) -> str:
     """Iteration 1 of two seeds, perfect but for the changes: seed, track, traffic, start, what."""
-    found = experiment({"safedagger": [FULL, FULL]}, seeds=2, starts=2).of("safedagger", 1)
+    found = experiment({"safedagger": [FULL, FULL]}, seeds=2, starts=2)
     for seed, track, traffic, start, what in changes:
         where = ("no_traffic", "traffic")[traffic]
-        found[seed] = redriven(
-            found[seed], what, scenario=track, condition=where, start=start, strategy="naive"
-        )
-    return found
+        here = {"seed": seed, "iteration": 1, "strategy": "naive", "condition": where}
+        found = redriven(found, what, scenario=track, start=start, **here)
+    return falls_short(found, "safedagger")
 
 
 def test_nowhere() -> None:
-    assert falls_short(steps()) == (
+    assert shown() == (
         "In the drives after iteration 1: in no case. There are 3 laps without damage in each of 24 cases of seed, "
         "driving strategy, traffic and track."
     )
 
 
 def test_every_case_is_listed_with_how_its_drives_ended() -> None:
-    text = falls_short(
-        steps(
-            (1, "yew", 0, 0, {"laps": 1.0, "off_road": 1.0}),
-            (0, "spruce", 1, 0, {"laps": 0.5, "off_road": 0.0}),
-            (0, "spruce", 1, 1, {"damage": 7.0}),
-        )
+    text = shown(
+        (1, "yew", 0, 0, {"laps": 1.0, "off_road": 1.0}),
+        (0, "spruce", 1, 0, {"laps": 0.5, "off_road": 0.0}),
+        (0, "spruce", 1, 1, {"damage": 7.0}),
     )
     assert text.startswith("In the drives after iteration 1: in 2 of 24 cases of seed,")
     assert "1 ended by leaving the road, 1 stopped short on it" in text
@@ -41,5 +37,5 @@ def test_every_case_is_listed_with_how_its_drives_ended() -> None:
 
 
 def test_damage_alone_falls_short() -> None:
-    text = falls_short(steps((0, "willow", 1, 0, {"damage": 3.0})))
+    text = shown((0, "willow", 1, 0, {"damage": 3.0}))
     assert "| 0 | naive, with traffic, willow | 3.00 | 0.5 | 0 of 2 | 0 of 2 | 1 of 2 |" in text

@@ -1,17 +1,13 @@
 """Each table holds the numbers of its inputs."""
 
 from dataclasses import replace
-from functools import partial
 
 import pytest
 
-from pipeline.data.ledger import Ledger
 from pipeline.evaluation.comparison import Cell, estimate
-from pipeline.evaluation.experiment import Experiment, Step
-from pipeline.evaluation.metrics_file import SafetyQuality
+from pipeline.evaluation.experiment import D_SAFE, HELD_OUT, ROLLOUT, Tables
+from pipeline.evaluation.files import ErrorShares
 from pipeline.evaluation.wording import laps
-from pipeline.report.material import ErrorShares
-from pipeline.report.threshold import RUN
 from pipeline.rollout.strategies import Strategy
 from tests.evaluation.made_up import (
     FULL,
@@ -21,11 +17,12 @@ from tests.evaluation.made_up import (
     SPECS,
     TITLES,
     VARIANTS,
-    changed,
     experiment,
-    of_steps,
+    judged,
+    reckoned,
     redriven,
     scattered,
+    undriven,
     with_optimal,
 )
 from tests.report.rendered import report, rows, section
@@ -57,7 +54,7 @@ def test_every_run_and_iteration_has_its_row(header: str) -> None:
 
 
 def test_laps_have_their_intervals_in_both_conditions() -> None:
-    made_up = changed(experiment({"dagger": scattered(SLOW)}), partial(with_optimal, laps=2.5))
+    made_up = with_optimal(experiment({"dagger": scattered(SLOW)}), laps=2.5)
     naive, safe, optimal = rows(numbers(report(made_up)), "Laps, naive")["DAgger", "2"]
     expected = []
     for where in ("no_traffic", "traffic"):
@@ -70,11 +67,9 @@ def test_laps_have_their_intervals_in_both_conditions() -> None:
 
 
 def test_every_metric_is_in_its_table() -> None:
-    def driven(step: Step) -> Step:
-        hit = redriven(step, {"damage": lambda d: 3 * d.laps}, strategy="naive")
-        return redriven(hit, {"takeovers": 20, "switches": 39}, strategy="safe")
-
-    text = numbers(report(changed(experiment({"dagger": SLOW}, starts=2), driven)))
+    hit = experiment({"dagger": SLOW}, starts=2)
+    hit = redriven(hit, {"damage": lambda drives: 3 * drives.laps}, strategy="naive")
+    text = numbers(report(redriven(hit, {"takeovers": 20, "switches": 39}, strategy="safe")))
     same = "{0} / {1}".format
     first = ("DAgger", "0")
     assert rows(text, "Damage per lap, naive")[first] == [same(3, 3), same(0, 0)]
@@ -90,16 +85,14 @@ def test_every_metric_is_in_its_table() -> None:
 
 
 def test_the_cost_is_that_of_the_loop_and_the_mean_over_the_seeds() -> None:
-    def dearer(step: Step) -> Step:
-        driven = 1000 * step.iteration + 100 * step.seed
-        trained = 2000 + 10 * step.iteration
-        return replace(
-            step, ledger=replace(step.ledger, frames_driven=driven, frames_trained=trained)
-        )
-
-    made_up = changed(experiment({"safedagger": GROWING, "dagger": SLOW}, seeds=2), dearer)
-    d_safe = {seed: Ledger(1, 5000 + 200 * seed, 1, 1, 1.0) for seed in (0, 1)}
-    found = rows(report(made_up, d_safe=d_safe), "Queries so far")
+    changes = {
+        "frames_driven": lambda of: 1000 * of.iteration + 100 * of.seed,
+        "frames_trained": lambda of: 2000 + 10 * of.iteration,
+    }
+    made_up = experiment({"safedagger": GROWING, "dagger": SLOW}, seeds=2)
+    made_up = reckoned(made_up, changes, run=["safedagger", "dagger"])
+    made_up = reckoned(made_up, {"queries": lambda of: 5000 + 200 * of.seed}, run=D_SAFE)
+    found = rows(report(made_up), "Queries so far")
     assert found["SafeDAgger", "0"] == ["0", "8,100", "0", "-", "2,000"]
     assert found["SafeDAgger", "1"] == ["3,000", "11,100", "1,050", "30.0 %", "2,010"]
     assert found["SafeDAgger", "3"] == ["7,000", "15,100", "6,150", "30.0 %", "2,030"]
@@ -111,17 +104,13 @@ def test_the_cost_is_that_of_the_loop_and_the_mean_over_the_seeds() -> None:
 def test_the_safety_policies_on_held_out_frames_and_in_the_next_rollout() -> None:
     """Of SafeDAgger and its variants; the mean over the seeds that have the number."""
 
-    def judged(step: Step) -> Step:
-        held_out = SafetyQuality(0.8 + 0.1 * step.seed, 0.6, None, 0.2, 0.3)
-        rollout = SafetyQuality(0.7, 0.4, None if step.seed else 0.5, 0.25, 0.35)
-        return replace(
-            step,
-            tau=0.0025 * (1 + step.iteration),
-            held_out=held_out,
-            next_rollout=None if step.iteration == 3 else rollout,
-        )
-
-    found = rows(report(changed(experiment(GOOD, seeds=2), judged)), "AUROC")
+    held_out = {"auroc": lambda of: 0.8 + 0.1 * of.seed, "recall": 0.6, "share_unsafe": 0.2}
+    held_out |= {"share_predicted_unsafe": 0.3, "tau": lambda of: 0.0025 * (1 + of.iteration)}
+    rollout = {"auroc": 0.7, "recall": 0.4, "precision": lambda of: of.seed.map({0: 0.5})}
+    rollout |= {"share_unsafe": 0.25, "share_predicted_unsafe": 0.35}
+    made_up = judged(judged(experiment(GOOD, seeds=2), HELD_OUT, held_out), ROLLOUT, rollout)
+    last = (made_up.quality.judged_on == ROLLOUT) & (made_up.quality.iteration == 3)
+    found = rows(report(replace(made_up, quality=made_up.quality[~last])), "AUROC")
     assert list(found) == [(TITLES[run], str(i)) for run in VARIANTS for i in range(4)]
     assert found["SafeDAgger, rising tau", "1"] == [
         "0.005",
@@ -135,20 +124,10 @@ def test_the_safety_policies_on_held_out_frames_and_in_the_next_rollout() -> Non
 
 
 def test_the_thresholds_are_side_by_side() -> None:
-    def told_apart(made_up: Experiment, share: float | None) -> Experiment:
-        quality = SafetyQuality(None, None, None, share, None)
-        return of_steps(
-            {
-                (seed, RUN, 0): replace(step, run=RUN, held_out=quality)
-                for (seed, _, _), step in made_up.steps.items()
-            }
-        )
-
-    first, last = (
-        experiment({"safedagger": GROWING[:1]}, seeds=2),
-        experiment({"safedagger": GROWING[3:]}),
-    )
-    thresholds = {0.000625: told_apart(first, 0.417), 0.04: told_apart(last, None)}
+    first = experiment({"0.000625": GROWING[:1]}, seeds=2)
+    last = experiment({"0.04": GROWING[3:]})
+    first = judged(first, HELD_OUT, {"share_unsafe": 0.417})
+    thresholds = Tables.joined([last, first])
     found = section(report(experiment(GOOD), thresholds=thresholds), "Other thresholds")
     strict, lax = found.strip().splitlines()[-2:]
     assert strict.startswith("| 0.000625 | 0, 1 | 41.7 % | 3.00 / 3.00")
@@ -159,10 +138,16 @@ def test_the_thresholds_are_side_by_side() -> None:
 
 def test_which_errors_are_safe_by_seed() -> None:
     errors = {
-        1: ErrorShares(0.01, 0.99, 0.9, share=None, tau_for_share=None),
-        0: ErrorShares(0.0025, 0.961, 0.8425, share=0.777, tau_for_share=0.00168123),
+        1: {"tau": 0.01, "trained_on": {"share_safe": 0.99}, "held_out": {"share_safe": 0.9}},
+        0: {
+            "tau": 0.0025,
+            "share": 0.777,
+            "trained_on": {"share_safe": 0.961},
+            "held_out": {"share_safe": 0.8425, "tau_for_share": 0.00168123},
+        },
     }
-    text = report(experiment({"safedagger": GROWING}, seeds=2), errors=errors)
+    shares = {seed: ErrorShares.model_validate(each) for seed, each in errors.items()}
+    text = report(experiment({"safedagger": GROWING}, seeds=2), errors=shares)
     found = section(text, "Which errors are safe").strip().splitlines()
     assert found[-2:] == [
         "| 0 | 0.0025 | 96.1 % | 84.2 % | 0.00168 (77.7 %) |",
@@ -172,14 +157,10 @@ def test_which_errors_are_safe_by_seed() -> None:
 
 
 def test_track_by_track_after_the_last_iteration_over_all_seeds() -> None:
-    def slower_on_yew(step: Step) -> Step:
-        slow = {"laps": 1.0 + step.seed, "damage": 3.0}
-        return redriven(step, slow, scenario="yew", condition="traffic")
-
+    slow = {"laps": lambda drives: 1.0 + drives.seed, "damage": 3.0}
     made_up = experiment({"dagger": SLOW[:2], "safedagger": [*GROWING, FULL]}, seeds=2)
-    text = section(
-        report(changed(made_up, slower_on_yew)), "Track by track, after the last iteration"
-    )
+    made_up = redriven(made_up, slow, scenario="yew", condition="traffic")
+    text = section(report(made_up), "Track by track, after the last iteration")
     found = rows(text, "Takeover, safe")
     assert list(found) == [
         (run, track) for run in ("SafeDAgger", "DAgger") for track in ("spruce", "willow", "yew")
@@ -189,9 +170,6 @@ def test_track_by_track_after_the_last_iteration_over_all_seeds() -> None:
 
 
 def test_a_track_without_drives_of_a_strategy_has_no_number() -> None:
-    made_up = experiment({"safedagger": [FULL]})
-    step = made_up.steps[0, "safedagger", 0]
-    kept = step.drives.query("scenario != 'yew' or strategy == 'naive'")
-    text = report(of_steps({(0, "safedagger", 0): replace(step, drives=kept)}))
+    text = report(undriven(experiment({"safedagger": [FULL]}), scenario="yew", strategy="safe"))
     found = rows(section(text, "Track by track, after the last iteration"), "Takeover, safe")
     assert found["SafeDAgger", "yew"] == ["3.00 / 3.00", "- / -", "0 / 0", "- / -"]

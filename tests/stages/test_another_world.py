@@ -110,7 +110,7 @@ def test_what_was_asked_is_what_was_selected_merged_and_counted(house: Path) -> 
     )
     queries = int(driven.column("queried").sum())
     assert 0 < queries == len(new) == len(after) - len(before)
-    ledger = json.loads((house / "ledger_1.json").read_text())
+    (ledger,) = json.loads((house / "ledger_1.json").read_text())["rows"]
     assert (ledger["queries"], ledger["frames_driven"]) == (queries, len(driven))
     deviation = driven.column("deviation")
     actions = driven.columns(["action", "primary_action"])
@@ -130,8 +130,9 @@ def test_the_safety_policy_was_judged_by_the_measure_that_was_named(house: Path)
 def test_a_primary_is_evaluated_alone(house: Path) -> None:
     drives = (house / "drives_1.csv").read_text().splitlines()
     assert [line.split(",")[0] for line in drives] == ["scenario", "swing up", "hold up"]
-    naive = json.loads((house / "driving_1.json").read_text())["naive"]
-    assert naive["as_is"]["takeover"] == 0
+    measured = json.loads((house / "driving_1.json").read_text())
+    assert set(measured["naive"]) == {"deviation"}
+    assert [each["condition"] for each in measured["rows"]] == ["as_is"]
 
 
 def test_its_errors_are_by_the_measure_that_was_named(house: Path) -> None:

@@ -1,0 +1,85 @@
+"""Reading JSON: what is missing or wrong is named in one line."""
+
+import json
+from pathlib import Path
+
+from pydantic import BaseModel, TypeAdapter, ValidationError
+
+
+class Ledger(BaseModel):
+    """What `data.ledger` counts."""
+
+    frames_driven: int
+    queries: int
+    frames_selected: int
+    frames_trained: int
+    takeover: float
+
+
+class Quality(BaseModel):
+    """What `learning.quality` finds, by labels of a tau; None where it is not defined."""
+
+    tau: float
+    frames: float
+    """how many were measured"""
+    auroc: float | None
+    recall: float | None
+    precision: float | None
+    share_unsafe: float | None
+    share_predicted_unsafe: float | None
+
+
+class ErrorShares(BaseModel):
+    """Which of the supervised primary's errors are safe, on frames that the reference drove."""
+
+    class Safe(BaseModel):
+        """Of some frames."""
+
+        share_safe: float
+        tau_for_share: float | None = None
+        """which would call `share` of them safe; None where nobody asked"""
+
+    tau: float
+    share: float | None = None
+    trained_on: Safe
+    held_out: Safe
+
+
+class Setting(BaseModel):
+    """What a condition of a task sets."""
+
+    condition: str
+    name: str
+    laps: float | None = None
+    """[laps] after which a drive of the car is over"""
+
+
+class Rows[Row: BaseModel](BaseModel):
+    """What a command has measured: beside few numbers for DVC, which leaves lists alone, all of it."""
+
+    rows: list[Row]
+
+
+def read_json[Kind](path: Path, kind: type[Kind]) -> Kind:
+    """What is in a file, as `kind` has it; what that does not know is left alone.
+
+    Raises:
+        FileNotFoundError: there is none.
+        ValueError: it is not such a file.
+    """
+    if not path.is_file():
+        raise FileNotFoundError(f"{path}: no such file, expected JSON")
+    try:
+        content = json.loads(path.read_text(), parse_constant=_refuse)
+        return TypeAdapter(kind).validate_python(content, strict=True)
+    except ValidationError as error:
+        first = error.errors()[0]
+        place = ".".join(map(str, first["loc"])) or "the whole"
+        raise ValueError(f"{path}: {place}: {first['msg']}") from None
+    except ValueError as error:
+        raise ValueError(f"{path}: {error}, expected JSON") from None
+
+
+def _refuse(constant: str) -> None:
+    """Python would read NaN and Infinity."""
+    raise ValueError(f"found {constant}")

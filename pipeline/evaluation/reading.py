@@ -1,0 +1,230 @@
+"""Reading what the commands have measured of every seed and run: tables."""
+
+import math
+import re
+from collections.abc import Iterator, Mapping
+from dataclasses import replace
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import pandas as pd
+from pydantic import BaseModel
+
+from pipeline.evaluation.drives import read_drives
+from pipeline.evaluation.experiment import D_SAFE, HELD_OUT, ROLLOUT, Experiment, Tables
+from pipeline.evaluation.files import ErrorShares, Ledger, Quality, Rows, Setting, read_json
+from pipeline.runs import BESIDE, FIRST, Comparison, Run
+
+RUNS_FILE = "runs.json"
+"""In the folder of a seed: what its runs were told, as `safedagger runs` writes it."""
+WARM, SCRATCH = "warm", "scratch"
+"""Runs of `read_scratch`."""
+
+_STEP = re.compile(r"drives_(?:(?P<run>[a-z_]+)_)?(?P<number>\d+)\.csv")
+_SEED = re.compile(r"seed_(?P<seed>\d+)")
+
+
+def read_experiment(metrics: Path) -> Experiment:
+    """Read every seed and run that `metrics` has: seed_<n>/drives_<run>_<i>.csv and its companions.
+
+    A run's iteration 0 is the seed's own, unless the run has files of its own for it. What does not
+    belong together is left out: on a seed, runs that began with another primary than SafeDAgger's;
+    and on all but the first seed that has a run, what was told to do something else.
+
+    Raises:
+        ValueError: there is none, a file does not hold what it should, or there are drives of a run
+            that nobody knows.
+        FileNotFoundError: a companion of a file of drives is missing, or an iteration before it.
+    """
+    folders = _seeds(metrics)
+    if not folders:
+        raise ValueError(f"{metrics}: no seed_<n>/drives_<run>_<i>.csv, expected some")
+    told = {
+        seed: dict(Comparison.of(read_json(folder / RUNS_FILE, dict)).runs)
+        for seed, folder in folders.items()
+    }
+    specs: dict[str, Run] = {}
+    for runs in told.values():
+        specs = {**specs, **{name: run for name, run in runs.items() if name not in specs}}
+    parts: list[Tables] = []
+    left_out = []
+    for seed, runs in told.items():
+        d_safe = {"seed": seed, "run": D_SAFE, "iteration": 0, "step": D_SAFE}
+        ledger = _rows(folders[seed] / "ledger_D_safe.json", Ledger, **d_safe)
+        parts.append(Tables(ledgers=ledger))
+        for run, iterations in _iterations(folders[seed], specs).items():
+            if runs.get(run, specs[run]).told == specs[run].told:
+                parts += _steps(folders[seed], seed, run, iterations, specs[run].is_watched)
+            else:
+                left_out.append(
+                    f"{specs[run].name}, seed {seed}: told something else than elsewhere."
+                )
+    found = Tables.joined(parts)
+    if found.drives.empty:
+        raise ValueError(f"{metrics}: no drives of a loop, expected some of {', '.join(specs)}")
+    return _belonging_together(Experiment(**vars(found), specs=specs, left_out=tuple(left_out)))
+
+
+def read_thresholds(metrics: Path) -> Tables:
+    """The supervised primary with safety policies of several tau, each a run that is called as it.
+
+    Reads seed_<n>/drives_tau_<digits>.csv and its companions, and iteration 0's own beside them.
+    Empty where there are none.
+
+    Raises:
+        ValueError: a file does not hold what it should; two of a seed have the same tau.
+        FileNotFoundError: a companion of a file of drives is missing.
+    """
+    parts = []
+    for seed, folder in _seeds(metrics).items():
+        varied = [name for name, run, _ in _names(folder) if run == "tau"]
+        steps = {
+            name: _read_step(folder, seed, "", 0, name)
+            for name in ([FIRST, *varied] if varied else [])
+        }
+        found = set()
+        for name, step in steps.items():
+            if {*step.drives.primary} != {*steps[FIRST].drives.primary}:
+                continue  # it watched another primary, of an earlier run
+            tau = f"{step.quality.tau.iloc[0]:g}"
+            if tau in found:
+                file = folder / f"drives_{name}.csv"
+                raise ValueError(f"{file}: tau is {tau} again, expected another")
+            found.add(tau)
+            named = {table: rows.assign(run=tau) for table, rows in vars(step).items()}
+            parts.append(Tables(**named))
+    return Tables.joined(parts)
+
+
+def read_scratch(metrics: Path, experiment: Experiment) -> Tables:
+    """The drives of two runs, WARM and SCRATCH: the iterations that a seed has both ways.
+
+    Reads seed_<n>/drives_scratch_<i>.csv. Without a warm counterpart, that began with the same
+    primary, there is nothing to compare it with.
+
+    Raises:
+        ValueError: a file does not hold what it should.
+    """
+    parts = []
+    for seed, folder in _seeds(metrics).items():
+        for name, run, iteration in _names(folder):
+            warm = experiment.among(seed=seed, run=experiment.ours, iteration=iteration)
+            if run == SCRATCH and len(warm):
+                at: dict[str, Any] = {
+                    "seed": seed,
+                    "run": SCRATCH,
+                    "iteration": iteration,
+                    "step": name,
+                }
+                scratch = read_driven(folder, name).assign(**at)
+                if set(warm.begun_with) == set(scratch.begun_with):
+                    parts += [Tables(drives=warm.assign(run=WARM)), Tables(drives=scratch)]
+    return Tables.joined(parts)
+
+
+def read_errors(metrics: Path) -> dict[int, ErrorShares]:
+    """By seed; one may have none.
+
+    Raises:
+        ValueError: a file does not hold what it should.
+    """
+    files = {seed: folder / "errors.json" for seed, folder in _seeds(metrics).items()}
+    return {seed: read_json(file, ErrorShares) for seed, file in files.items() if file.is_file()}
+
+
+def _seeds(metrics: Path) -> dict[int, Path]:
+    """The folders of all seeds that have drives, ascending."""
+    found = {
+        int(named["seed"]): folder
+        for folder in metrics.glob("seed_*")
+        if (named := _SEED.fullmatch(folder.name)) and any(folder.glob("drives_*.csv"))
+    }
+    return dict(sorted(found.items()))
+
+
+def _names(folder: Path) -> list[tuple[str, str | None, int]]:
+    """Of all drives of a seed: name of the step, of its run if it has one, and the number in it."""
+    return [
+        (file.stem.removeprefix("drives_"), named["run"], int(named["number"]))
+        for file in sorted(folder.iterdir())
+        if (named := _STEP.fullmatch(file.name))
+    ]
+
+
+def _iterations(folder: Path, specs: Mapping[str, Run]) -> dict[str, list[int]]:
+    """Of each run that is there: which have files of their own."""
+    found = sorted((run, number) for _, run, number in _names(folder) if run)
+    unknown = [run for run, _ in found if run not in (*specs, *BESIDE)]
+    if unknown:
+        known = ", ".join(specs)
+        raise ValueError(f"{folder}: drives of a run {unknown[0]!r}, expected one of {known}")
+    own = {run: [number for name, number in found if name == run] for run in specs}
+    return {run: iterations for run, iterations in own.items() if any(iterations)}
+
+
+def _steps(
+    folder: Path, seed: int, run: str, iterations: list[int], is_watched: bool
+) -> Iterator[Tables]:
+    """Of one run."""
+    start = f"{run}_0" if 0 in iterations else FIRST
+    names = [start, *(f"{run}_{i}" for i in range(1, max(iterations) + 1))]
+    followers = [*names[1:], None] if is_watched else [None] * len(names)
+    for iteration, (name, follower) in enumerate(zip(names, followers, strict=True)):
+        yield _read_step(folder, seed, run, iteration, name, follower)
+
+
+def _belonging_together(found: Experiment) -> Experiment:
+    """Without runs that began with another primary than SafeDAgger's of their seed."""
+    for seed in found.seeds:
+        begun = found.among(seed=seed).groupby("run").begun_with.unique().map(set)
+        ours = begun.get(found.ours, begun.iloc[0])
+        for run in [run for run in found.runs if begun.get(run, ours) != ours]:
+            told = f"{found.title(run)}, seed {seed}: began with another primary."
+            kept = found.keeping(partial(_is_not, seed, run))
+            found = replace(kept, left_out=(*found.left_out, told))
+    return found
+
+
+def _is_not(seed: int, run: str, rows: pd.DataFrame) -> "pd.Series[bool]":
+    return (rows.seed != seed) | (rows.run != run)
+
+
+def _read_step(
+    folder: Path, seed: int, run: str, iteration: int, name: str, follower: str | None = None
+) -> Tables:
+    """The step whose files in `folder` are called `name`.
+
+    Args:
+        follower: the step whose rollout its policies drove; None where there is none.
+    """
+    at: dict[str, Any] = {"seed": seed, "run": run, "iteration": iteration, "step": name}
+    judged = [_rows(folder / f"safety_{name}.json", Quality, **at, judged_on=HELD_OUT)]
+    if follower:
+        rollout = folder / f"rollout_{follower}.json"
+        judged.append(_rows(rollout, Quality, **at, judged_on=ROLLOUT))
+    return Tables(
+        drives=read_driven(folder, name).assign(**at),
+        ledgers=_rows(folder / f"ledger_D_{name if iteration else FIRST}.json", Ledger, **at),
+        quality=pd.concat(judged, ignore_index=True),
+    )
+
+
+def read_driven(folder: Path, name: str) -> pd.DataFrame:
+    """The drives of a step, each with what its condition's task was set to.
+
+    Raises:
+        FileNotFoundError, ValueError: as `read_drives` and `read_json`.
+    """
+    drives = read_drives(folder / f"drives_{name}.csv")
+    settings = _rows(folder / f"driving_{name}.json", Setting).set_index("condition")
+    told = settings.add_prefix("task.").reindex(drives.condition).set_index(drives.index)
+    return pd.concat([drives, told], axis=1)
+
+
+def _rows(file: Path, kind: type[BaseModel], **columns: Any) -> pd.DataFrame:
+    """Those of a file, and columns that are the same in all; NaN for null."""
+    read: Rows[BaseModel] = read_json(file, Rows[kind])  # type: ignore[valid-type]
+    rows = [row.model_dump() for row in read.rows]
+    known = [{k: math.nan if v is None else v for k, v in row.items()} for row in rows]
+    return pd.DataFrame(known).assign(**columns)

@@ -1,0 +1,65 @@
+"""Reading JSON: what is missing or wrong is named in one line."""
+
+import json
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from pipeline.evaluation.files import ErrorShares, Ledger, Quality, Rows, read_json
+from tests.evaluation.sample import write_run
+
+
+def test_rows_are_read_and_the_rest_left_alone(tmp_path: Path) -> None:
+    path = write_run(tmp_path) / "safety_0.json"
+    content = json.loads(path.read_text())
+    content["rows"][0] |= {"recall": None, "more": 3}
+    path.write_text(json.dumps(content))
+    (found,) = read_json(path, Rows[Quality]).rows
+    assert (found.tau, found.auroc, found.recall) == (0.0025, 0.9, None)
+
+
+def test_errors_that_were_judged_without_a_share(tmp_path: Path) -> None:
+    path = write_run(tmp_path) / "errors.json"
+    content = json.loads(path.read_text())
+    assert read_json(path, ErrorShares).held_out.tau_for_share == 0.0018
+    del content["share"], content["held_out"]["tau_for_share"]
+    path.write_text(json.dumps(content))
+    found = read_json(path, ErrorShares)
+    assert (found.share, found.held_out.tau_for_share) == (None, None)
+
+
+def test_a_missing_file_is_named(tmp_path: Path) -> None:
+    with pytest.raises(FileNotFoundError, match=r"none.json: no such file, expected JSON"):
+        read_json(tmp_path / "none.json", dict)
+
+
+@pytest.mark.parametrize(
+    ("value", "problem"),
+    [
+        (None, "rows.0.queries: Input should be a valid integer"),
+        ("9", "rows.0.queries: Input should be a valid integer"),
+        (True, "rows.0.queries: Input should be a valid integer"),
+        (..., "rows.0.queries: Field required"),
+    ],
+)
+def test_a_wrong_value_is_named(tmp_path: Path, value: Any, problem: str) -> None:
+    path = write_run(tmp_path) / "ledger_D_safedagger_1.json"
+    content = json.loads(path.read_text())
+    del content["rows"][0]["queries"]
+    if value is not ...:
+        content["rows"][0]["queries"] = value
+    path.write_text(json.dumps(content))
+    with pytest.raises(ValueError) as error:
+        read_json(path, Rows[Ledger])
+    assert str(error.value) == f"{path}: {problem}"
+
+
+@pytest.mark.parametrize("content", ["", "{", '{"tau": NaN}', "[]", "{}"])
+def test_another_file_is_refused_in_one_line(tmp_path: Path, content: str) -> None:
+    path = tmp_path / "safety_0.json"
+    path.write_text(content)
+    with pytest.raises(ValueError) as error:
+        read_json(path, Rows[Quality])
+    assert str(error.value).startswith(f"{path}: ")
+    assert "\n" not in str(error.value)
