@@ -154,9 +154,9 @@ class DrivingEnv(Environment):
         return self.world.image() if self.render_mode == "rgb_array" else None
 
     def close(self) -> None:
-        """Free the PyBullet client."""
+        """End the drive; its scene waits for another one, in this environment or the next."""
         if self._world is not None:
-            self._world.scene.close()
+            self._world.close()
             self._world = None
 
     def _ended(self) -> str | None:
