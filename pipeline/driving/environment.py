@@ -84,7 +84,7 @@ class DrivingEnv(Environment):
         self._most_frames = int(seconds * CONTROL_HZ / action_repeat)
         self._frames = 0
         self._standing = 0.0
-        self._failed = False
+        self._failed = self._off_road = False
         self._actions: NDArray[np.float32] = np.zeros((0, 2), np.float32)
         """[N, 2], what the reference would do in each car's place now"""
         self._world: World | None = None
@@ -108,6 +108,7 @@ class DrivingEnv(Environment):
         self.close()
         self._world = World(self._track, self._traffic, self._spread, self.np_random)
         self._frames, self._standing, self._failed = 0, 0.0, False
+        self._off_road = self._world.off_road
         self._actions = reference_actions(self._world.cars, self._track)
         return self._observation(), self._info(None)
 
@@ -121,12 +122,13 @@ class DrivingEnv(Environment):
         self._frames += 1
         moving = world.cars.speed[0] >= MOVING
         self._standing = 0.0 if moving else self._standing + self._action_repeat / CONTROL_HZ
-        failed = world.off_road or world.damage > 0
+        self._off_road = world.off_road
+        failed = self._off_road or world.damage > 0
         reward = -1.0 if failed and not self._failed else 0.0
         self._failed = failed
         ended = self._ended()
-        over = ended is not None and not world.off_road
-        return self._observation(), reward, world.off_road, over, self._info(ended)
+        over = ended is not None and not self._off_road
+        return self._observation(), reward, self._off_road, over, self._info(ended)
 
     def label(self) -> Action:
         """The reference's steering and brake, [2]."""
@@ -146,7 +148,7 @@ class DrivingEnv(Environment):
             "distance_m": world.distance,
             "damage": world.damage,
             "touches": world.touches,
-            "off_road": world.off_road,
+            "off_road": self._off_road,
         }
 
     def render(self) -> NDArray[np.uint8] | None:
@@ -160,7 +162,7 @@ class DrivingEnv(Environment):
             self._world = None
 
     def _ended(self) -> str | None:
-        if self.world.off_road:
+        if self._off_road:
             return "road left"
         if self.world.laps >= self._laps:
             return "laps done"

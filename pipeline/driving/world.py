@@ -76,7 +76,7 @@ class World:
         """
         return bool(
             abs(self.cars.d[0]) > self.track.half_width
-            or abs(self.cars.angle(self.track)[0]) > 0.5 * np.pi
+            or abs(self.cars.angle(self.track, 1)[0]) > 0.5 * np.pi
         )
 
     def image(self) -> NDArray[np.uint8]:

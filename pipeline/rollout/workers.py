@@ -3,9 +3,10 @@
 import warnings
 from collections.abc import Callable, Generator, Iterable
 
-import torch
 from joblib import Parallel, delayed
 from joblib.externals.loky.process_executor import TerminatedWorkerError
+
+from pipeline.policies.computing import computing
 
 
 def in_order[Result](
@@ -35,5 +36,5 @@ def in_order[Result](
 
 def _on_one_thread[Result](job: Callable[..., Result], arguments: tuple) -> Result:
     """Another number of threads may round differently, and then so would another number of workers."""
-    torch.set_num_threads(1)
-    return job(*arguments)
+    with computing(threads=1):
+        return job(*arguments)
