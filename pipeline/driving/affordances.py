@@ -21,14 +21,10 @@ def affordances(cars: Cars, track: Track) -> NDArray[np.float32]:
     1, where 1 is FULL_ANGLE to the left.
     """
     lane = int(track.lane_of(cars.d[:1])[0])
-    lanes = [lane - 1, lane, lane + 1]
-    along = along_road(cars, track)[:1]
-    gaps = [
-        gap_ahead(along, reaches(cars.d, track.lane_centres[i : i + 1]))[0]
-        if 0 <= i < track.lanes
-        else SENSOR_RANGE
-        for i in lanes
-    ]
+    lanes = np.array([lane - 1, lane, lane + 1])
+    there = reaches(cars.d, track.lane_centres.take(lanes, mode="clip"))
+    exists = (lanes >= 0) & (lanes < track.lanes)
+    gaps = gap_ahead(along_road(cars, track, 1), there & exists[:, None])
     position = (cars.d[0] - track.lane_centres[lane]) / (0.5 * LANE_WIDTH)
     return np.array(
         [
@@ -37,7 +33,7 @@ def affordances(cars: Cars, track: Track) -> NDArray[np.float32]:
             *(gap < SENSOR_RANGE for gap in gaps),
             *gaps,
             np.clip(position, -1.0, 1.0),
-            np.clip(cars.angle(track)[0] / FULL_ANGLE, -1.0, 1.0),
+            np.clip(cars.angle(track, 1)[0] / FULL_ANGLE, -1.0, 1.0),
         ],
         dtype=np.float32,
     )

@@ -43,12 +43,12 @@ class Cars:
     def __len__(self) -> int:
         return len(self.x)
 
-    def angle(self, track: Track) -> NDArray[np.float64]:
-        """[N] (rad) between each car's heading and its lane's, in [-pi, pi); left is positive."""
-        return (
-            np.remainder(self.heading - track.centreline.heading_at(self.s) + np.pi, 2 * np.pi)
-            - np.pi
-        )
+    def angle(self, track: Track, first: int | None = None) -> NDArray[np.float64]:
+        """[N] (rad) between each car's heading and its lane's, in [-pi, pi); left is positive. Of
+        the `first` cars only, all by default.
+        """
+        turned = self.heading[:first] - track.centreline.heading_at(self.s[:first])
+        return np.remainder(turned + np.pi, 2 * np.pi) - np.pi
 
 
 def place(
@@ -71,15 +71,17 @@ def move(cars: Cars, actions: NDArray[np.floating], track: Track) -> None:
     bicycle model refers to the car's centre, the wheels follow their command with a lag, and a
     governor does the throttle.
     """
-    command = np.clip(actions[:, 0], -1.0, 1.0) * LOCK
+    command = np.minimum(np.maximum(actions[:, 0], -1.0), 1.0) * LOCK
     cars.wheel += (command - cars.wheel) * (1.0 - np.exp(-DT / STEERING_LAG))
 
-    throttle = np.clip(THROTTLE_GAIN * (cars.limit - cars.speed), -THROTTLE_MAX, THROTTLE_MAX)
+    throttle = THROTTLE_GAIN * (cars.limit - cars.speed)
+    throttle = np.minimum(np.maximum(throttle, -THROTTLE_MAX), THROTTLE_MAX)
     braking = -(BRAKE_FLOOR + BRAKE_GAIN * cars.speed)
     cars.speed = np.maximum(cars.speed + np.where(actions[:, 1] > 0.5, braking, throttle) * DT, 0.0)
 
     slip = np.arctan(0.5 * np.tan(cars.wheel))
     cars.heading += cars.speed / (0.5 * WHEELBASE) * np.sin(slip) * DT
-    cars.x += cars.speed * np.cos(cars.heading + slip) * DT
-    cars.y += cars.speed * np.sin(cars.heading + slip) * DT
+    course = cars.heading + slip
+    cars.x += cars.speed * np.cos(course) * DT
+    cars.y += cars.speed * np.sin(course) * DT
     cars.s, cars.d = track.centreline.local_coordinates(cars.x, cars.y, cars.s)

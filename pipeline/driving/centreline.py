@@ -7,6 +7,7 @@ is positive.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -35,12 +36,13 @@ class Centreline:
 
     def position(self, s: NDArray[np.float64], d: NDArray[np.float64]) -> tuple[NDArray, NDArray]:
         """World coordinates (x, y) [m] of the points (s, d) [m]; `s` may run past a lap."""
-        x, y, heading = self._at(s)
+        x, y, heading, _ = self._at(s)
         return x - d * np.sin(heading), y + d * np.cos(heading)
 
     def heading_at(self, s: NDArray[np.float64]) -> NDArray[np.float64]:
         """Direction of the centreline [rad] at arc length `s` [m]."""
-        return self._at(s)[2]
+        heading: NDArray[np.float64] = self._at(s)[2]
+        return heading
 
     def local_coordinates(
         self, x: NDArray[np.float64], y: NDArray[np.float64], near: NDArray[np.float64]
@@ -48,27 +50,32 @@ class Centreline:
         """(s, d) [m] of world points, found from a nearby arc length `near` [m] by Newton's method."""
         s = near
         for _ in range(2):
-            cx, cy, heading = self._at(s)
+            cx, cy, heading, bend = self._at(s)
             dx, dy = x - cx, y - cy
-            along = dx * np.cos(heading) + dy * np.sin(heading)
-            d = -dx * np.sin(heading) + dy * np.cos(heading)
-            bend = self.curvature[self._index(s)]
+            cos, sin = np.cos(heading), np.sin(heading)
+            along = dx * cos + dy * sin
+            d = -dx * sin + dy * cos
             s = s + along / np.maximum(1.0 - bend * d, 0.2)
         return s, d
 
-    def _index(self, s: NDArray[np.float64]) -> NDArray[np.int64]:
-        return (np.mod(s, self.length) / self.length * len(self.x)).astype(np.int64) % len(self.x)
+    def _at(self, s: NDArray[np.float64]) -> NDArray[np.float64]:
+        """[4, ...]: x, y and heading at `s`, and the curvature of the point before."""
+        where = np.mod(s, self.length) / self.length * len(self.x)
+        low = where.astype(np.int64)
+        start, step = self._stretches.take(low, axis=2, mode="wrap")
+        found: NDArray[np.float64] = start + (where - low) * step
+        return found
 
-    def _at(self, s: NDArray[np.float64]) -> tuple[NDArray, NDArray, NDArray]:
-        points = len(self.x)
-        where = np.mod(s, self.length) / self.length * points
-        low = where.astype(np.int64) % points
-        high = (low + 1) % points
-        part = where - np.floor(where)
-        x = self.x[low] + part * (self.x[high] - self.x[low])
-        y = self.y[low] + part * (self.y[high] - self.y[low])
-        turn = np.remainder(self.heading[high] - self.heading[low] + np.pi, 2 * np.pi) - np.pi
-        return x, y, self.heading[low] + part * turn
+    @cached_property
+    def _stretches(self) -> NDArray[np.float64]:
+        """[2, 4, P]: what `_at` finds at each point, and how much of it comes up to the next."""
+        turn = np.remainder(_to_next(self.heading) + np.pi, 2 * np.pi) - np.pi
+        points = [self.x, self.y, self.heading, self.curvature]
+        return np.array([points, [_to_next(self.x), _to_next(self.y), turn, 0.0 * turn]])
+
+
+def _to_next(values: NDArray[np.float64]) -> NDArray[np.float64]:
+    return np.roll(values, -1) - values
 
 
 def random_centreline(rng: np.random.Generator, tightest: float, clockwise: bool) -> Centreline:

@@ -86,7 +86,7 @@ class DrivingEnv(Environment):
         self._most_frames = int(seconds * CONTROL_HZ / action_repeat)
         self._frames = 0
         self._standing = 0.0
-        self._failed = False
+        self._failed = self._off_road = False
         self._actions: NDArray[np.float32] = np.zeros((0, 2), np.float32)
         """[N, 2], what the reference would do in each car's place now"""
         self._world: World | None = None
@@ -112,6 +112,7 @@ class DrivingEnv(Environment):
             self._track, self._traffic, self._spread, self.np_random, begins=self._begins
         )
         self._frames, self._standing, self._failed = 0, 0.0, False
+        self._off_road = self._world.off_road
         self._actions = reference_actions(self._world.cars, self._track)
         return self._observation(), self._info(None)
 
@@ -125,12 +126,13 @@ class DrivingEnv(Environment):
         self._frames += 1
         moving = world.cars.speed[0] >= MOVING
         self._standing = 0.0 if moving else self._standing + self._action_repeat / CONTROL_HZ
-        failed = world.off_road or world.damage > 0
+        self._off_road = world.off_road
+        failed = self._off_road or world.damage > 0
         reward = -1.0 if failed and not self._failed else 0.0
         self._failed = failed
         ended = self._ended()
-        over = ended is not None and not world.off_road
-        return self._observation(), reward, world.off_road, over, self._info(ended)
+        over = ended is not None and not self._off_road
+        return self._observation(), reward, self._off_road, over, self._info(ended)
 
     def label(self) -> Action:
         """The reference's steering and brake, [2]."""
@@ -150,7 +152,7 @@ class DrivingEnv(Environment):
             "distance_m": world.distance,
             "damage": world.damage,
             "touches": world.touches,
-            "off_road": world.off_road,
+            "off_road": self._off_road,
         }
 
     def render(self) -> NDArray[np.uint8] | None:
@@ -158,13 +160,13 @@ class DrivingEnv(Environment):
         return self.world.image() if self.render_mode == "rgb_array" else None
 
     def close(self) -> None:
-        """Free the PyBullet client."""
+        """End the drive; its scene waits for another one, in this environment or the next."""
         if self._world is not None:
-            self._world.scene.close()
+            self._world.close()
             self._world = None
 
     def _ended(self) -> str | None:
-        if self.world.off_road:
+        if self._off_road:
             return "road left"
         if self.world.laps >= self._laps:
             return "laps done"

@@ -24,6 +24,7 @@ REAR_GAP, REAR_TIME = 8.0, 1.5  # [m], [s] for a car behind in the next lane: mo
 BRAKE_TIME = 1.0  # [s] brake when the car in our path is nearer than this at our limit (20 m): enough to stop
 CLOSE = 7.0  # [m] nearer than this a car that we overlap is in our path, wherever we are heading
 PATH_MARGIN = 0.35  # [m] beside the car that still counts as its path
+_LEFT_HERE_RIGHT = np.array([[-1], [0], [1]])
 
 
 def reference_actions(cars: Cars, track: Track) -> NDArray[np.float32]:
@@ -31,8 +32,7 @@ def reference_actions(cars: Cars, track: Track) -> NDArray[np.float32]:
     along = along_road(cars, track)
     angle = cars.angle(track)
     heading_for = cars.d + LOOK_AHEAD * np.sin(angle)
-    pull = _lateral_pull(cars, track, along, heading_for)
-    steering = _aim(cars, track, cars.d + pull)
+    steering = _aim(cars, track, cars.d + _lateral_pull(cars, track, along, heading_for))
     brake = _gap_in_path(cars, along, heading_for) < BRAKE_TIME * cars.limit
     return np.stack([steering, brake], axis=1).astype(np.float32)
 
@@ -41,37 +41,26 @@ def _lateral_pull(
     cars: Cars, track: Track, along: NDArray[np.float64], heading_for: NDArray[np.float64]
 ) -> NDArray[np.float64]:
     """[N] (m) to the left: towards the middle of the lane, or into a freer one while a car ahead is near."""
-    lane = track.lane_of(0.5 * (cars.d + heading_for))
-    keep = np.clip(track.lane_centres[lane] - cars.d, -PULL, PULL)
-    here = gap_ahead(along, reaches(cars.d, track.lane_centres[lane]))
-    left = _room(cars, track, along, heading_for, lane - 1, here)
-    right = _room(cars, track, along, heading_for, lane + 1, here)
+    lanes = track.lane_of(0.5 * (cars.d + heading_for)) + _LEFT_HERE_RIGHT
+    centres = track.lane_centres.take(lanes, mode="clip")
+    there = reaches(cars.d, centres)
+    free = gap_ahead(along, there)
+    here, beside = free[1], free[::2]
+    exists = (lanes[::2] >= 0) & (lanes[::2] < track.lanes)
+    better = beside > np.minimum(here + ADVANTAGE, SENSOR_RANGE - 1.0)
+    taken = (there[::2] | reaches(heading_for, centres[::2])) & _is_beside_or_behind(cars, along)
+    left, right = np.where(exists & better & ~taken.any(axis=-1), beside, 0.0)
+    keep = np.minimum(np.maximum(centres[1] - cars.d, -PULL), PULL)
     change = np.where(left >= right, PULL, -PULL)
-    urgency = np.clip((CHANGE_GAP - here) / CHANGE_FADE, 0.0, 1.0) * (np.maximum(left, right) > 0)
+    nearness = np.minimum(np.maximum((CHANGE_GAP - here) / CHANGE_FADE, 0.0), 1.0)
+    urgency = nearness * (np.maximum(left, right) > 0)
     return urgency * change + (1.0 - urgency) * keep
 
 
-def _room(
-    cars: Cars,
-    track: Track,
-    along: NDArray[np.float64],
-    heading_for: NDArray[np.float64],
-    lane: NDArray[np.int64],
-    here: NDArray[np.float64],
-) -> NDArray[np.float64]:
-    """[N] (m) free ahead in the lane beside; 0 where there is no such lane, no advantage, or a car beside or behind."""
-    exists = (lane >= 0) & (lane < track.lanes)
-    centre = track.lane_centres[np.clip(lane, 0, track.lanes - 1)]
-    there = reaches(cars.d, centre)
-    free = gap_ahead(along, there)
-    closing = np.maximum(cars.speed[None, :] - cars.speed[:, None], 0.0)
-    taken = (
-        (there | reaches(heading_for, centre))
-        & (along < LENGTH + 2.0)
-        & (along > -(LENGTH + REAR_GAP + REAR_TIME * closing))
-    )
-    better = free > np.minimum(here + ADVANTAGE, SENSOR_RANGE - 1.0)
-    return np.where(exists & better & ~np.any(taken, axis=1), free, 0.0)
+def _is_beside_or_behind(cars: Cars, along: NDArray[np.float64]) -> NDArray[np.bool_]:
+    """[N, N]: whether car j would be in car i's way if that changed into its lane."""
+    closing = np.maximum(cars.speed - cars.speed[:, None], 0.0)
+    return (along < LENGTH + 2.0) & (along > -(LENGTH + REAR_GAP + REAR_TIME * closing))
 
 
 def _gap_in_path(
@@ -79,8 +68,8 @@ def _gap_in_path(
 ) -> NDArray[np.float64]:
     """[N] (m) to the nearest car in the path: where the car is heading, and close by where it is."""
     reach = WIDTH + PATH_MARGIN
-    beside = np.abs(cars.d[None, :] - cars.d[:, None]) < reach
-    ahead = np.abs(cars.d[None, :] - heading_for[:, None]) < reach
+    beside = np.abs(cars.d - cars.d[:, None]) < reach
+    ahead = np.abs(cars.d - heading_for[:, None]) < reach
     return gap_ahead(along, ahead | (beside & (along < LENGTH + CLOSE)))
 
 
@@ -90,4 +79,4 @@ def _aim(cars: Cars, track: Track, d: NDArray[np.float64]) -> NDArray[np.float64
     dx, dy = x - cars.x, y - cars.y
     beside = -dx * np.sin(cars.heading) + dy * np.cos(cars.heading)
     wheel = np.arctan(2.0 * WHEELBASE * beside / (dx**2 + dy**2))
-    return np.clip(wheel / LOCK, -1.0, 1.0)
+    return np.minimum(np.maximum(wheel / LOCK, -1.0), 1.0)

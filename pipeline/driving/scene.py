@@ -1,23 +1,24 @@
-"""The PyBullet world of one drive: road, surroundings and cars as bodies, and who touches whom."""
+"""PyBullet worlds: road, surroundings and cars as bodies, and who touches whom."""
 
 from __future__ import annotations
 
 import tempfile
+import weakref
+from collections.abc import Sequence
+from itertools import count
 from pathlib import Path
-from types import TracebackType
-from typing import Any, Self
+from typing import Any
 
 import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from pipeline.driving import textures
+from pipeline.driving import meshes, textures
 from pipeline.driving.bullet import pybullet
 from pipeline.driving.cars import HEIGHT, LENGTH, WIDTH, Cars
 from pipeline.driving.props import scatter
 from pipeline.driving.tracks import Track
 
-PIECE = 3.0  # [m] of road in a body: short, so that clipping at the near plane tears nothing
 LEVELS = (
     14.0,
     22.0,
@@ -26,8 +27,6 @@ LEVELS = (
     80.0,
 )  # [m] ahead of the camera where the next, more blurred, road texture begins
 FOCAL, CAMERA_UP = 111.0, 1.9  # [pixels], [m]: what a pixel covers on the road follows from them
-TILE = 24.0  # [m] side of a ground tile
-MARGIN = 160.0  # [m] of ground around the track
 PAINTS = (
     (176, 32, 36),
     (28, 74, 160),
@@ -37,48 +36,54 @@ PAINTS = (
     (30, 110, 70),
     (120, 126, 136),
 )
+KEPT = 8  # scenes of 38 MB that wait for a drive: one of each training track, and one more
 
 
 class Scene:
-    """A DIRECT PyBullet client holding one track and its cars. Use as a context manager, or call `close`."""
+    """A DIRECT PyBullet client holding one track and its cars. It is freed with the scene."""
 
     def __init__(self, track: Track, cars: int) -> None:
         self.track = track
         self.client = pybullet.connect(pybullet.DIRECT)
+        self.close = weakref.finalize(self, pybullet.disconnect, self.client)
+        pybullet.setPhysicsEngineParameter(enableFileCaching=0, physicsClientId=self.client)
         rng = np.random.default_rng([track.seed, 2])
         with tempfile.TemporaryDirectory() as folder:
-            self._folder = Path(folder)
+            self._files = (Path(folder) / str(number) for number in count())
             self._road_textures = self._load_road_textures(rng)
-            self._pieces = self._lay_road()
+            self._pieces = [
+                self._add_mesh(*piece, texture=self._road_textures[0])
+                for piece in meshes.road(track)
+            ]
             self._add_mesh(
-                *_ground_mesh(track), texture=self._load(textures.ground(track.look, rng))
+                *meshes.ground(track), texture=self._load(textures.ground(track.look, rng))
             )
             for mesh, colour in scatter(track, rng):
                 self._add_mesh(*mesh, colour=colour)
-            self.cars = [self._add_car(i) for i in range(cars)]
+        self.cars = [self._add_car(i) for i in range(cars)]
         self._levels: NDArray[np.intp] = np.zeros(len(self._pieces), dtype=np.intp)
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(
-        self, kind: type | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
-        self.close()
-
-    def close(self) -> None:
-        pybullet.disconnect(physicsClientId=self.client)
 
     def place(self, cars: Cars) -> None:
         """Move the cars' bodies to where the cars are."""
         half = 0.5 * cars.heading
-        for i, body in enumerate(self.cars):
+        turned = np.sin(half).tolist(), np.cos(half).tolist()
+        for body, x, y, sin, cos in zip(
+            self.cars, cars.x.tolist(), cars.y.tolist(), *turned, strict=True
+        ):
             pybullet.resetBasePositionAndOrientation(
                 body,
-                (cars.x[i], cars.y[i], 0.5 * HEIGHT + 0.15),
-                (0.0, 0.0, np.sin(half[i]), np.cos(half[i])),
+                (x, y, 0.5 * HEIGHT + 0.15),
+                (0.0, 0.0, sin, cos),
                 physicsClientId=self.client,
             )
+
+    def forget(self) -> None:
+        """Part all cars: who touched whom, and where, is remembered for as long as they are near."""
+        for i, body in enumerate(self.cars):
+            pybullet.resetBasePositionAndOrientation(
+                body, (100.0 * i, 0.0, 0.0), (0.0, 0.0, 0.0, 1.0), physicsClientId=self.client
+            )
+        pybullet.performCollisionDetection(physicsClientId=self.client)
 
     def contacts(self) -> list[tuple[int, NDArray[np.float64], float]]:
         """Cars that touch ours: (car, unit normal [2] from it to us, overlap [m]), the deepest point of each."""
@@ -118,55 +123,27 @@ class Scene:
             for a, b in zip(across, 0.5 * along, strict=True)
         ]
 
-    def _lay_road(self) -> list[int]:
-        track = self.track
-        count = round(track.length / PIECE)
-        period = sum(track.look.dash)
-        repeats = round(
-            track.length / period
-        )  # a whole number, so that the dashes close up at the start line
-        s = np.arange(count + 1) * track.length / count
-        left = np.stack(
-            [*track.centreline.position(s, np.full(count + 1, track.half_width)), 0 * s], axis=1
-        )
-        right = np.stack(
-            [*track.centreline.position(s, np.full(count + 1, -track.half_width)), 0 * s], axis=1
-        )
-        v = s / track.length * repeats
-        pieces = []
-        for i in range(count):
-            start = v[i] % 1.0
-            end = start + v[i + 1] - v[i]
-            corners = [left[i], right[i], left[i + 1], right[i + 1]]
-            uv = [[0, start], [1, start], [0, end], [1, end]]
-            pieces.append(
-                self._add_mesh(corners, [0, 1, 2, 2, 1, 3], uv, texture=self._road_textures[0])
-            )
-        return pieces
-
     def _load(self, image: NDArray[np.uint8]) -> int:
-        path = self._folder / f"{len(list(self._folder.iterdir()))}.png"
-        cv2.imwrite(str(path), image[..., ::-1])
-        return pybullet.loadTexture(str(path), physicsClientId=self.client)
+        path = str(next(self._files).with_suffix(".png"))
+        cv2.imwrite(path, image[..., ::-1])
+        return pybullet.loadTexture(path, physicsClientId=self.client)
 
     def _add_mesh(
         self,
-        vertices: Any,
+        vertices: Sequence[Any] | NDArray[np.float64],
         indices: list[int],
-        uvs: Any = None,
+        uvs: Sequence[Any] | None = None,
         *,
         texture: int | None = None,
         colour: tuple[float, float, float, float] = (1.0, 1.0, 1.0, 1.0),
     ) -> int:
         """A body to look at, not to touch."""
+        # From a file: vertices that PyBullet is handed in memory, it never frees.
+        path = next(self._files).with_suffix(".obj")
+        path.write_text(meshes.as_obj(vertices, indices, uvs or [(0.0, 0.0)] * len(vertices)))
         shape = pybullet.createVisualShape(
             pybullet.GEOM_MESH,
-            vertices=[list(map(float, v)) for v in vertices],
-            indices=indices,
-            uvs=[[0.0, 0.0]] * len(vertices)
-            if uvs is None
-            else [list(map(float, uv)) for uv in uvs],
-            normals=[[0.0, 0.0, 1.0]] * len(vertices),
+            fileName=str(path),
             rgbaColor=colour,
             physicsClientId=self.client,
         )
@@ -222,23 +199,23 @@ class Scene:
         return pybullet.createMultiBody(1, box, visual, physicsClientId=self.client)
 
 
-def _ground_mesh(track: Track) -> tuple[list[list[float]], list[int], list[list[float]]]:
-    """A flat grid of tiles under and around the track, 5 cm below the road."""
-    line = track.centreline
-    columns = np.arange(line.x.min() - MARGIN, line.x.max() + MARGIN + TILE, TILE)
-    rows = np.arange(line.y.min() - MARGIN, line.y.max() + MARGIN + TILE, TILE)
-    vertices: list[list[float]] = []
-    indices: list[int] = []
-    uvs: list[list[float]] = []
-    for x in columns:
-        for y in rows:
-            first = len(vertices)
-            vertices += [
-                [x, y, -0.05],
-                [x + TILE, y, -0.05],
-                [x, y + TILE, -0.05],
-                [x + TILE, y + TILE, -0.05],
-            ]
-            uvs += [[0, 0], [1, 0], [0, 1], [1, 1]]
-            indices += [first, first + 1, first + 2, first + 2, first + 1, first + 3]
-    return vertices, indices, uvs
+_waiting: list[Scene] = []
+
+
+def borrow(track: Track, cars: int) -> Scene:
+    """A scene of this track with so many cars: one that was given back, else a new one, which takes
+    as long to build as a second of driving. They look and feel the same.
+    """
+    for scene in _waiting:
+        if scene.track is track and len(scene.cars) == cars:
+            _waiting.remove(scene)
+            scene.forget()
+            return scene
+    return Scene(track, cars)
+
+
+def give_back(scene: Scene) -> None:
+    """For the next drive. Of more than `KEPT`, the one that has waited longest is freed."""
+    _waiting.append(scene)
+    if len(_waiting) > KEPT:
+        _waiting.pop(0).close()

@@ -21,29 +21,29 @@ type Begins = Literal["anywhere", "line"]
 """Where our car begins a drive."""
 
 
-def along_road(cars: Cars, track: Track) -> NDArray[np.float64]:
+def along_road(cars: Cars, track: Track, first: int | None = None) -> NDArray[np.float64]:
     """[N, N] (m) along the road from car i's centre to car j's, within half a lap; a car is
-    infinitely far from itself.
+    infinitely far from itself. Of the `first` cars only, all by default.
     """
-    along = cars.s[None, :] - cars.s[:, None]
+    along = cars.s - cars.s[:first, None]
     along = np.remainder(along + track.length / 2, track.length) - track.length / 2
-    np.fill_diagonal(along, np.inf)
+    along.ravel()[:: len(cars) + 1] = np.inf
     return along
 
 
 def gap_ahead(along: NDArray[np.float64], relevant: NDArray[np.bool_]) -> NDArray[np.float64]:
-    """[N] (m) bumper to bumper to the nearest `relevant` [N, N] car in front, from 0 to
-    SENSOR_RANGE.
+    """[..., N] (m) bumper to bumper to the nearest `relevant` [..., N, M] car in front, from 0 to
+    SENSOR_RANGE; `along` is [N, M].
     """
-    gaps = np.where(relevant & (along > 0), along - LENGTH, np.inf)
-    return np.clip(np.min(gaps, axis=1), 0.0, SENSOR_RANGE)
+    gaps = np.where(relevant, np.where(along > 0, along - LENGTH, np.inf), np.inf)
+    return np.minimum(np.maximum(gaps.min(axis=-1), 0.0), SENSOR_RANGE)
 
 
 def reaches(d: NDArray[np.float64], centre: NDArray[np.float64]) -> NDArray[np.bool_]:
-    """[N, M]: whether car j at lateral position `d` [M] (m) reaches into the lane around `centre`
-    [N] (m).
+    """[..., M]: whether car j at lateral position `d` [M] (m) reaches into the lane around `centre`
+    [...] (m).
     """
-    return np.abs(d[None, :] - centre[:, None]) < 0.5 * (LANE_WIDTH + WIDTH) - LANE_MARGIN
+    return np.abs(d - centre[..., None]) < 0.5 * (LANE_WIDTH + WIDTH) - LANE_MARGIN
 
 
 def check_room(track: Track, traffic: int) -> None:

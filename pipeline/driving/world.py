@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from pipeline.driving import camera
 from pipeline.driving.affordances import affordances
 from pipeline.driving.cars import Cars, move
-from pipeline.driving.scene import Scene
+from pipeline.driving.scene import borrow, give_back
 from pipeline.driving.tracks import Track
 from pipeline.driving.traffic import Begins, start
 
@@ -20,8 +20,8 @@ TOUCH = 15  # control steps, half a second: contacts with a car no further apart
 
 
 class World:
-    """The true state of a drive. Car 0 is ours. Use as a context manager: it holds a PyBullet
-    client.
+    """The true state of a drive. Car 0 is ours. Use as a context manager, or call `close`: then the
+    next drive on this track has its scene.
     """
 
     def __init__(
@@ -41,8 +41,9 @@ class World:
         """
         self.track = track
         self.cars: Cars = start(track, traffic, spread, rng, begins=begins)
-        self.scene = Scene(track, len(self.cars))
+        self.scene = borrow(track, len(self.cars))
         self.scene.place(self.cars)
+        self._placed = True
         self.damage = 0.0
         """[m^2/s^2] the sum of half the squared speed of each touch of our car: energy per mass"""
         self.touches = 0
@@ -58,7 +59,11 @@ class World:
     def __exit__(
         self, kind: type | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
-        self.scene.close()
+        self.close()
+
+    def close(self) -> None:
+        """The drive is over."""
+        give_back(self.scene)
 
     @property
     def laps(self) -> float:
@@ -77,11 +82,12 @@ class World:
         """
         return bool(
             abs(self.cars.d[0]) > self.track.half_width
-            or abs(self.cars.angle(self.track)[0]) > 0.5 * np.pi
+            or abs(self.cars.angle(self.track, 1)[0]) > 0.5 * np.pi
         )
 
     def image(self) -> NDArray[np.uint8]:
         """What our camera sees: uint8 [72, 160, 3]."""
+        self._place()
         self.scene.focus(float(self.cars.s[0]))
         return camera.render(self.scene, self.cars.x[0], self.cars.y[0], self.cars.heading[0])
 
@@ -105,11 +111,20 @@ class World:
             car = int(np.flatnonzero(~np.isfinite(actions).all(axis=1))[0])
             raise ValueError(f"action of car {car} is {actions[car]}, expected finite numbers")
         move(self.cars, actions, self.track)
-        self.scene.place(self.cars)
+        self._placed = False
         self._steps += 1
         if self._is_near_another():
+            self._place()
             for other, normal, overlap in self.scene.contacts():
                 self._collide(other, normal, overlap)
+
+    def _place(self) -> None:
+        """Where somebody looks: to where the cars came by themselves. One that is pushed aside is
+        seen where it was hit, until the next step.
+        """
+        if not self._placed:
+            self.scene.place(self.cars)
+            self._placed = True
 
     def _is_near_another(self) -> bool:
         """Spares the collision detection, nearly always."""

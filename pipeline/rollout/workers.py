@@ -35,6 +35,9 @@ def in_order[Result](
 
 def _on_one_thread[Result](job: Callable[..., Result], arguments: tuple) -> Result:
     """Another number of threads may round differently, and then so would another number of workers."""
-    if "torch" in sys.modules:  # it takes seconds to import, and the reference needs none
-        sys.modules["torch"].set_num_threads(1)
-    return job(*arguments)
+    if "torch" not in sys.modules:  # it takes seconds to import, and the reference needs none
+        return job(*arguments)
+    from pipeline.policies.computing import computing
+
+    with computing(threads=1):
+        return job(*arguments)

@@ -28,4 +28,4 @@ def world_of() -> Iterator[Callable[[Track, Cars], World]]:
 
     yield make
     for world in worlds:
-        world.scene.close()
+        world.close()

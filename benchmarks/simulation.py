@@ -1,0 +1,219 @@
+"""Simulation beside its floors: the closed loop, workers, traffic, a new drive, other simulators.
+
+python -m benchmarks.simulation
+"""
+
+import copy
+from collections.abc import Callable, Iterator
+from functools import partial
+from importlib.util import find_spec
+from statistics import median
+
+import numpy as np
+import torch
+
+from benchmarks.timing import Row, paired, seconds, table
+from pipeline.driving import camera
+from pipeline.driving.cars import Cars, move
+from pipeline.driving.environment import DrivingEnv
+from pipeline.driving.features import CAMERA
+from pipeline.driving.network import PrimaryNetwork
+from pipeline.driving.reference import reference_actions
+from pipeline.driving.task import Driving
+from pipeline.driving.tracks import make_track
+from pipeline.driving.world import World
+from pipeline.evaluation.driving import Trial, evaluate
+from pipeline.policies.inference import Driver
+from pipeline.policies.network import CHANNELS, SafetyNetwork
+from pipeline.rollout.plans import Plan, driven
+from pipeline.rollout.rules.safe import Safe
+from pipeline.rollout.workers import in_order
+
+TRACK = "spruce"
+SECONDS = 10.0  # of a drive
+DRIVES = 6  # spread over workers
+
+
+def rows() -> Iterator[Row]:
+    """All rows."""
+    for traffic, channels, whose in ((12, 32, "half the paper's width"), (40, CHANNELS, "paper's")):
+        yield closed_loop(traffic, channels, f"{traffic} cars, network of {whose}")
+    for traffic in (12, 40):
+        yield traffic_step(traffic)
+    yield new_drive()
+    yield two_workers()
+    yield from peers()
+
+
+def closed_loop(traffic: int, channels: int, which: str) -> Row:
+    """A frame of an evaluation, beside placing the cars, the camera and the networks alone."""
+    driver, trial = _driver(channels), _trial(traffic)
+    states = _states(trial.plan)
+    ours, floor, ratio = paired(
+        partial(_work, evaluate, [(trial, driver)]),
+        partial(_work, _see_and_act, [(states, driver)]),
+    )
+    per_frame = 1e3 / len(states)
+    return Row(
+        f"closed loop, {which}, against camera and networks alone",
+        ours * per_frame,
+        floor * per_frame,
+        "ms a frame",
+        ratio,
+        f"at most {1 / 0.85:.2f}",
+    )
+
+
+def traffic_step(traffic: int) -> Row:
+    """A frame's three control steps of all cars, each with the reference, beside the camera."""
+    states = _states(_trial(traffic).plan)
+    ours, floor, ratio = paired(
+        partial(_work, _move_on, [(states,)]), partial(_work, _see_and_act, [(states, None)])
+    )
+    per_frame = 1e3 / len(states)
+    return Row(
+        f"traffic, {traffic} cars and three steps a frame, against the camera alone",
+        ours * per_frame,
+        floor * per_frame,
+        "ms a frame",
+        ratio,
+    )
+
+
+def new_drive() -> Row:
+    """A reset on the same track, beside a frame."""
+    env = DrivingEnv(track=TRACK, traffic=12, action_repeat=3)
+    env.reset(seed=0)
+
+    def steps() -> None:
+        for _ in range(20):
+            env.step(env.label())
+
+    def resets() -> None:
+        for seed in range(20):
+            env.reset(seed=seed)
+
+    ours, floor, ratio = paired(resets, steps)
+    env.close()
+    what = "new drive on the same track, its first picture with it, against a frame"
+    return Row(what, ours * 50, floor * 50, "ms", ratio)
+
+
+def two_workers() -> Row:
+    """How much faster two workers are than one: in an evaluation, and in rendering alone."""
+    driver, trial = _driver(32), _trial(12)
+    jobs = [(trial, driver)] * DRIVES
+    states = [(_states(trial.plan), None)] * DRIVES
+    turns = [(_gain(evaluate, jobs), _gain(_see_and_act, states)) for _ in range(6)][1:]
+    return Row(
+        "two workers against one, and rendering alone likewise",
+        median(ours for ours, _ in turns),
+        median(floor for _, floor in turns),
+        "times as fast",
+        median(ours / floor for ours, floor in turns),
+        "at least 1",
+    )
+
+
+def peers() -> Iterator[Row]:
+    """A control step with its picture, beside one of what a user might take instead."""
+    import gymnasium
+
+    if find_spec("Box2D"):
+        yield _beside(gymnasium.make("CarRacing-v3"), "Gymnasium's CarRacing-v3, 96x96 pixels", 0)
+    if find_spec("highway_env"):
+        import highway_env
+
+        gymnasium.register_envs(highway_env)
+        config = {
+            "observation": {
+                "type": "GrayscaleObservation",
+                "observation_shape": (160, 72),
+                "stack_size": 1,
+                "weights": [0.2989, 0.5870, 0.1140],
+            },
+            "vehicles_count": 12,
+            "simulation_frequency": 30,
+            "policy_frequency": 30,
+            "duration": 1000,
+        }
+        env = gymnasium.make("highway-v0", config=config)
+        yield _beside(env, "HighwayEnv with 12 cars, 160x72 pixels", 12)
+
+
+def missing() -> list[str]:
+    """What `peers` leaves out: what is not installed."""
+    wanted = {"Box2D": "CarRacing-v3: gymnasium[box2d]", "highway_env": "HighwayEnv: highway-env"}
+    return [what for module, what in wanted.items() if not find_spec(module)]
+
+
+def _beside(env, name: str, traffic: int) -> Row:  # type: ignore[no-untyped-def]
+    own = DrivingEnv(track=TRACK, traffic=traffic, laps=np.inf, seconds=np.inf)
+
+    def steps(env, action) -> None:  # type: ignore[no-untyped-def]
+        env.reset(seed=0)
+        for _ in range(60):
+            _, _, terminated, truncated, _ = env.step(action())
+            if terminated or truncated:
+                env.reset(seed=0)
+
+    def idle():  # type: ignore[no-untyped-def]
+        return 1 if name.startswith("Highway") else np.zeros(3)
+
+    ours, floor, ratio = paired(partial(steps, own, own.label), partial(steps, env, idle))
+    own.close()
+    env.close()
+    return Row(
+        f"control step, {traffic} cars, against {name}", ours / 0.06, floor / 0.06, "ms", ratio
+    )
+
+
+def _driver(channels: int) -> Driver:
+    generator = torch.Generator().manual_seed(0)
+    primary = PrimaryNetwork(channels, generator=generator)
+    return Driver(primary, SafetyNetwork(primary.feature_size, 128, generator=generator))
+
+
+def _trial(traffic: int) -> Trial:
+    """A drive in which the policies look at each frame, but the reference drives: all go as far."""
+    task = Driving(tracks=TRACK, traffic=traffic, seconds=SECONDS)
+    return Trial(Plan(task, TRACK, Safe(1.0), (0, 1000, 0)), "traffic", {}, 0)
+
+
+def _states(plan: Plan) -> list[Cars]:
+    """Of each frame of a drive."""
+    return [copy.deepcopy(env.world.cars) for env, _ in driven(plan, None)]  # type: ignore[attr-defined]
+
+
+def _see_and_act(states: list[Cars], driver: Driver | None) -> None:
+    with World(
+        make_track(TRACK), len(states[0]) - 1, (0.0, 0.0), np.random.default_rng(0)
+    ) as world:
+        for cars in states:
+            world.scene.place(cars)
+            world.scene.focus(float(cars.s[0]))
+            image = camera.render(world.scene, cars.x[0], cars.y[0], cars.heading[0])
+            if driver:
+                driver.act({CAMERA: image})
+
+
+def _move_on(states: list[Cars]) -> None:
+    track, cars = make_track(TRACK), copy.deepcopy(states[0])
+    for _ in range(3 * len(states)):
+        move(cars, reference_actions(cars, track), track)
+
+
+def _gain(job: Callable[..., object], jobs: list[tuple]) -> float:
+    one, two = (seconds(partial(_work, job, jobs, workers)) for workers in (1, 2))
+    return one / two
+
+
+def _work(job: Callable[..., object], jobs: list[tuple], workers: int = 1) -> None:
+    for _ in in_order(job, jobs, workers):
+        pass
+
+
+if __name__ == "__main__":
+    print(table(rows()))
+    for name in missing():
+        print(f"skipped, not installed: {name}")
