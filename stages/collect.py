@@ -39,7 +39,7 @@ def collect(
     ] = Purpose.d_0,
     iteration: Annotated[int, typer.Option(min=0, help="The iteration that this is for.")] = 0,
     seed: options.Seed = 0,
-    workers: options.Workers = 2,
+    workers: options.Workers = None,
 ) -> None:
     """Collect a dataset with the reference (lines 1, 2).
 

@@ -30,7 +30,7 @@ def evaluate(
         int, typer.Option(min=1, help="Drives of each scenario, from different places.")
     ] = 1,
     seed: options.Seed = 0,
-    workers: options.Workers = 2,
+    workers: options.Workers = None,
     cut: options.Cut = None,
     hold: options.Hold = None,
     device: options.Device = "cpu",

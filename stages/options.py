@@ -80,7 +80,12 @@ Device = Annotated[
         help="Where networks compute: cpu, cuda, cuda:1, mps. Another may give other last bits."
     ),
 ]
-Workers = Annotated[int, typer.Option(min=1, help="Processes. The result does not depend on it.")]
+Workers = Annotated[
+    int | None,
+    typer.Option(
+        min=1, help="Processes, by default one for each core. The result does not depend on it."
+    ),
+]
 
 Save = Annotated[
     Path | None, typer.Option(help="Write a Rerun file (.rrd) instead. It must not exist.")

@@ -34,7 +34,7 @@ def rollout(
     ] = 1,
     metrics: options.MetricsIfAny = None,
     seed: options.Seed = 0,
-    workers: options.Workers = 2,
+    workers: options.Workers = None,
     cut: options.Cut = None,
     hold: options.Hold = None,
     device: options.Device = "cpu",

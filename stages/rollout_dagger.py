@@ -26,7 +26,7 @@ def rollout_dagger(
     ] = 0.0,
     iteration: Annotated[int, typer.Option(min=1, help="The iteration that this is for.")] = 1,
     seed: options.Seed = 0,
-    workers: options.Workers = 2,
+    workers: options.Workers = None,
     hold: options.Hold = None,
     device: options.Device = "cpu",
 ) -> None:

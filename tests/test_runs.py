@@ -203,7 +203,10 @@ def test_a_line_more_is_a_run_more(tmp_path: Path) -> None:
             ("train-primary:", "train-primery:"),
             "train-primery: dvc.yaml has no ${train-primery}, expected one such as train-primary",
         ),
-        (("\nworkers:", "\nworker:"), "worker: dvc.yaml has no ${worker}, expected one such as"),
+        (
+            ("\nthreads:", "\nthread:"),
+            "thread: dvc.yaml has no ${thread}, expected one such as threads",
+        ),
         (("\nseed:", "\nrollouts: 3\nseed:"), "rollouts: dvc.yaml has no ${rollouts}, expected"),
         (
             ("  channels:", "  policy: conv\n  channels:"),

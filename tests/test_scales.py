@@ -48,12 +48,19 @@ def test_every_name_in_a_scale_is_known(name: str) -> None:
     assert parameters.read(ROOT / name, ROOT / "dvc.yaml").runs
 
 
+@pytest.mark.parametrize("name", ["dvc.yaml", "examples/metaworld/dvc.yaml"])
+def test_how_many_processes_drive_is_no_part_of_a_result(name: str) -> None:
+    """Else another machine would run everything again, for equal bytes."""
+    pipeline = (ROOT / name).read_text()
+    assert "--workers" not in pipeline and "--threads ${threads}" in pipeline
+
+
 def test_what_is_not_typed_is_as_the_default_scale_has_it() -> None:
     params = read_params(ROOT / "params.yaml")
     shared = {"seed": params["seed"]}
-    drive = params["drive"] | shared | {"workers": params["workers"]}
+    drive = params["drive"] | shared | {"workers": None}
     drive |= {"tracks": params["tracks"]["training"]}
-    training = shared | {"threads": params["workers"]}
+    training = shared | {"threads": params["threads"]}
     run = params["runs"]["safedagger"]
     protocol = params["protocols"][run["protocol"]]
     told = {

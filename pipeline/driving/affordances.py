@@ -6,8 +6,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pipeline.driving.cars import Cars
+from pipeline.driving.features import SENSOR_RANGE
 from pipeline.driving.tracks import LANE_WIDTH, Track
-from pipeline.driving.traffic import SENSOR_RANGE, along_road, gap_ahead, reaches
+from pipeline.driving.traffic import along_road, gap_ahead, reaches
 
 FULL_ANGLE = 0.5  # [rad] between car and lane that reads 1.0
 

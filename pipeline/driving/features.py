@@ -8,6 +8,9 @@ CONTROL_HZ = 30
 STANDSTILL = 10.0
 """[s] without moving after which a drive is halted."""
 
+SENSOR_RANGE = 60.0
+"""[m] bumper to bumper: a distance with no car within it reads this."""
+
 ROBOT_TYPE = "safedagger_car"
 CAMERA = "observation.images.front"
 IMAGE_SHAPE = (72, 160, 3)

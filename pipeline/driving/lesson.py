@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Annotated, ClassVar
 
 from pipeline.data.schema import Feature
-from pipeline.driving.features import CAMERA, IMITATED
+from pipeline.driving.features import CAMERA, IMITATED, SENSOR_RANGE
 from pipeline.policies.lesson import Lesson
 from pipeline.settings import Setting
 
@@ -80,7 +80,6 @@ class DrivingLesson(Lesson):
     ) -> tuple[Tensor, dict[str, Tensor]]:
         """The multi-task loss, and its parts."""
         from pipeline.driving.network import PrimaryNetwork, primary_loss
-        from pipeline.driving.traffic import SENSOR_RANGE
 
         assert isinstance(network, PrimaryNetwork)
         return primary_loss(
@@ -95,7 +94,6 @@ class DrivingLesson(Lesson):
         """As LeRobot's type "safedagger_primary"."""
         from pipeline.driving.network import PrimaryNetwork
         from pipeline.driving.policy import PrimaryConfig, PrimaryPolicy
-        from pipeline.driving.traffic import SENSOR_RANGE
 
         assert isinstance(network, PrimaryNetwork)
         config = PrimaryConfig(

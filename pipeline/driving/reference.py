@@ -12,8 +12,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pipeline.driving.cars import LENGTH, LOCK, WHEELBASE, WIDTH, Cars
+from pipeline.driving.features import SENSOR_RANGE
 from pipeline.driving.tracks import Track
-from pipeline.driving.traffic import SENSOR_RANGE, along_road, gap_ahead, reaches
+from pipeline.driving.traffic import along_road, gap_ahead, reaches
 
 LOOK_AHEAD = 10.0  # [m] to the point that the wheels are aimed at
 PULL = 0.5  # [m] the farthest that this point may lie beside the car's own line: keeps returns and lane changes gentle

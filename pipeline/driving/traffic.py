@@ -8,9 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pipeline.driving.cars import LENGTH, WIDTH, Cars, place
+from pipeline.driving.features import SENSOR_RANGE
 from pipeline.driving.tracks import LANE_WIDTH, Track
 
-SENSOR_RANGE = 60.0  # [m] bumper to bumper: a distance with no car within it reads SENSOR_RANGE
 SPEED_LIMIT = 20.0  # [m/s], 45 mph: our car's
 TRAFFIC_SPEEDS = (10.0, 16.0)  # [m/s] low and high limit of the traffic cars
 SLOT = 16.0  # [m] of lane that a car needs at the start

@@ -3,13 +3,12 @@
 Plain PyTorch. In the shapes, B is the number of images and c the channels of Conv1 to Conv4.
 """
 
-from collections.abc import Mapping
-from typing import ClassVar
+from collections.abc import Callable, Mapping
+from typing import Any, ClassVar
 
 import torch
 import torch.nn.functional as F
 from torch import Tensor, nn
-from torch.nn.utils import skip_init
 
 from pipeline.data.schema import Feature
 
@@ -172,12 +171,21 @@ def has_bfloat16(device: torch.device) -> bool:
 
 def convolution(channels_in: int, channels_out: int, size: int) -> nn.Conv2d:
     """Of any size, with as large an output as its input; its weights are yet to be drawn."""
-    return skip_init(nn.Conv2d, channels_in, channels_out, size, padding=size // 2)
+    return _undrawn(nn.Conv2d, channels_in, channels_out, size, padding=size // 2)
 
 
 def linear(features_in: int, features_out: int) -> nn.Linear:
     """Its weights are yet to be drawn."""
-    return skip_init(nn.Linear, features_in, features_out)
+    return _undrawn(nn.Linear, features_in, features_out)
+
+
+def _undrawn[Layer: nn.Module](kind: Callable[..., Layer], *sizes: int, **named: Any) -> Layer:
+    """A layer that took nothing from PyTorch's global generator, though each draws when it is made.
+
+    PyTorch's own `skip_init` imports a computer algebra for that, which takes a second.
+    """
+    with torch.random.fork_rng(devices=[]):
+        return kind(*sizes, **named)
 
 
 def initialise(network: nn.Module, generator: torch.Generator | None) -> None:

@@ -79,7 +79,7 @@ def record_all(
     *,
     seed: tuple[int, ...],
     iteration: int,
-    workers: int,
+    workers: int | None,
     measure: bool = True,
 ) -> Generator[Recording]:
     """Record one drive after the other, around the scenarios of a task, in the order of `numbers`.

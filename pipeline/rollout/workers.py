@@ -9,15 +9,15 @@ from joblib.externals.loky.process_executor import TerminatedWorkerError
 
 
 def in_order[Result](
-    job: Callable[..., Result], arguments: Iterable[tuple], workers: int
+    job: Callable[..., Result], arguments: Iterable[tuple], workers: int | None
 ) -> Generator[Result]:
-    """Run `job(*arguments)` in `workers` processes; the results come in the order of the arguments,
-    as they are ready.
+    """Run `job(*arguments)` in `workers` processes, one for each core where None; the results come in
+    the order of the arguments, as they are ready.
 
     Raises:
         OSError: the system killed one of them.
     """
-    pool = Parallel(n_jobs=workers, return_as="generator", batch_size=1, pre_dispatch="2 * n_jobs")
+    pool = Parallel(workers or -1, return_as="generator", batch_size=1, pre_dispatch="2 * n_jobs")
     results = pool(delayed(_on_one_thread)(job, each) for each in arguments)
     try:
         for result in results:  # noqa: UP028 (the warning below is given when `results` is closed)

@@ -5,9 +5,9 @@ from hypothesis import strategies as st
 
 from pipeline.driving.affordances import FULL_ANGLE, affordances
 from pipeline.driving.cars import LENGTH, Cars
-from pipeline.driving.features import AFFORDANCES
+from pipeline.driving.features import AFFORDANCES, SENSOR_RANGE
 from pipeline.driving.tracks import LANE_WIDTH, Track, make_track
-from pipeline.driving.traffic import SENSOR_RANGE, start
+from pipeline.driving.traffic import start
 from tests.driving.scenes import cars_at, track_names
 
 

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from pipeline.driving.cars import LENGTH
+from pipeline.driving.features import SENSOR_RANGE
 from pipeline.driving.tracks import LANE_WIDTH, make_track
-from pipeline.driving.traffic import SENSOR_RANGE
 from pipeline.driving.world import World
 from pipeline.inspection.footage import Footage, cars_in_affordances, track_of
 from pipeline.rollout.recording import record

@@ -1,5 +1,8 @@
 """Both trainings on tiny problems that can be solved."""
 
+import subprocess
+import sys
+
 import numpy as np
 import pytest
 import torch
@@ -218,3 +221,23 @@ def test_the_safety_policys_loss_falls_and_its_bytes_are_the_same_again(overlapp
     again, _ = train_safety(*overlapping, safety_settings())
     for weight, other in zip(network.parameters(), again.parameters(), strict=True):
         assert torch.equal(weight, other)
+
+
+def test_a_training_begins_without_what_it_does_not_use():
+    """SciPy, a computer algebra: a second each, in every process that has a network or trains one."""
+    code = """
+import sys
+import numpy as np, torch
+from pipeline.driving.features import IMITATED, CAMERA
+from pipeline.driving.lesson import DrivingLesson
+from pipeline.policies.network import SafetyNetwork
+lesson, state = DrivingLesson(channels=4), torch.get_rng_state()
+network = lesson.network(IMITATED, {}, torch.Generator())
+SafetyNetwork(network.feature_size, 8, generator=torch.Generator())
+batch = {"action": torch.zeros(1, 2), "affordances": torch.zeros(1, 10)}
+lesson.loss(network, network.features(torch.zeros(1, 3, 72, 160)), batch)
+assert torch.equal(torch.get_rng_state(), state)
+print(*sorted({"scipy", "sympy", "pandas", "lerobot"} & sys.modules.keys()))
+"""
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout == "\n"
