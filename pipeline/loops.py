@@ -133,8 +133,8 @@ def _safeties(comparison: Comparison) -> Iterator[tuple[str, dict[str, Any]]]:
                 continue  # the first run's, already
             if not run.driven_by and i + 1 not in drives_on:
                 continue  # nobody asks it
-            about = {"primary": before(name, i + 1), "data": _data(run, name, i)}
-            about |= {"labels": run.labels(i)}
+            about: dict[str, Any] = {"primary": before(name, i + 1), "data": _data(run, name, i)}
+            about["labels"] = run.labels(i)
             yield safety, about | {"strategies": run.driven_by}
         for i in run.from_scratch:
             about = {"primary": scratch(i), "data": _data(run, name, i), "labels": run.labels(i)}

@@ -14,7 +14,9 @@ app = typer.Typer()
 def cards(
     datasets: Annotated[Path, typer.Option(help="Folder of datasets.")],
     models: Annotated[Path, typer.Option(help="Folder of policies.")],
-    metrics: Annotated[Path, typer.Option(help="Folder of drives_<i>.csv, driving_<i>.json, safety_<i>.json.")],
+    metrics: Annotated[
+        Path, typer.Option(help="Folder of drives_<i>.csv, driving_<i>.json, safety_<i>.json.")
+    ],
     action_repeat: options.ActionRepeat,
     dataset_cards: Annotated[Path, typer.Option(help="Folder to write. It must not exist.")],
     model_cards: Annotated[Path, typer.Option(help="Folder to write. It must not exist.")],

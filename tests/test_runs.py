@@ -195,8 +195,8 @@ def test_a_line_more_is_a_run_more(tmp_path: Path) -> None:
             "offset-spread",
         ),
         (
-            ("  briefly: {begins", "  briefly: {begin"),
-            "protocols: briefly: begin is no option of `safedagger rollout`, expected one such as "
+            ("    begins:", "    begin:"),
+            "protocols: anywhere: begin is no option of `safedagger rollout`, expected one such as "
             "begins",
         ),
         (
