@@ -11,7 +11,10 @@ EVERYWHERE: Final = ("tables", "figures", "cards")
 
 @dataclass(frozen=True)
 class Metric:
-    """A statistic of one or two columns of a table, how it is written, and where it is shown."""
+    """A statistic of one or two columns of a table, how it is written, and where it is shown.
+
+    A column is a name, or an expression of names as `pandas.DataFrame.eval` reads it.
+    """
 
     title: str
     unit: str

@@ -2,6 +2,8 @@
 
 from pipeline.metric import DRIVEN, Metric
 
+_FAILURES = "off_road + touches + (ended == 'stood still')"
+
 METRICS = {
     "laps": Metric(
         "Laps",
@@ -41,6 +43,23 @@ METRICS = {
         shown=("tables",),
     ),
     "takeover_length": DRIVEN["takeover_length"],
+    "success": Metric(
+        "Drives to the end without a failure",
+        "share of drives",
+        "share",
+        "(ended == 'laps done') & (touches == 0)",
+        strategies=("naive",),
+        shown=("dvc",),
+    ),
+    "failures": Metric(
+        "Failures: road left, touches, stood still",
+        "per 100 km",
+        "amount",
+        _FAILURES,
+        "abs(distance_m) / 1e5",
+        strategies=("naive",),
+        shown=("dvc",),
+    ),
     "off_road": Metric("Left the road", "share of drives", "share", "off_road", shown=("cards",)),
 }
 CONDITIONS = {"no_traffic": "without traffic", "traffic": "with traffic"}

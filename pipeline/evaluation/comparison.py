@@ -113,7 +113,8 @@ def _columns(experiment: Tables, metric: Metric, cell: Cell) -> pd.DataFrame:
             f"{drive.strategy}, {drive.condition}, {drive.scenario}, start {drive.start}, "
             "expected one"
         )
-    situations = found.groupby(_SITUATION)[[metric.part, metric.whole]]
+    taken = found.assign(_part=found.eval(metric.part), _whole=found.eval(metric.whole))
+    situations = taken.groupby(_SITUATION)[["_part", "_whole"]]
     complete = situations.size() == len(cell.iterations) * len(cell.conditions)
     return situations.mean()[complete]
 

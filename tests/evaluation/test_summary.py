@@ -54,6 +54,20 @@ def test_off_road_is_a_share_of_the_drives() -> None:
     assert left["off_road"] == 0.5
 
 
+def test_a_success_is_a_drive_to_its_end_without_a_touch() -> None:
+    done = {"ended": "laps done", "off_road": 0.0}
+    ends = (done, done | {"touches": 2.0}, {"ended": "out of time", "off_road": 0.0}, {})
+    assert measured(*(outcome(**end) for end in ends))["success"] == 0.25
+
+
+def test_failures_are_all_that_went_wrong_on_the_way() -> None:
+    """The road left, a standstill, two touches: four in 20 km, however far backwards."""
+    stood = {"ended": "stood still", "off_road": 0.0, "distance_m": -1000.0}
+    far = {"ended": "laps done", "off_road": 0.0, "distance_m": 18_100.0, "touches": 2.0}
+    pooled = measured(*(outcome(**end) for end in ({}, stood, far)))
+    assert pooled["failures"] == pytest.approx(20.0)
+
+
 def test_takeovers_have_a_mean_length_and_drivers_change_so_often_a_lap() -> None:
     one = outcome(laps=1.0, takeover_frames=30, primary_frames=470, takeovers=3, switches=6)
     other = outcome(laps=2.0, takeover_frames=20, primary_frames=480, takeovers=2, switches=3)
@@ -82,7 +96,7 @@ def test_the_order_of_the_drives_does_not_matter(seed: int) -> None:
 def test_dvc_shows_few_numbers_of_each_policy(tmp_path: Path) -> None:
     found = headline(drives(1), METRICS)
     assert {name: set(metrics) for name, metrics in found.items()} == {
-        "naive": {"laps"},
+        "naive": {"laps", "success", "failures"},
         "safe": {"laps", "takeover"},
     }
     safe = measure(among(drives(1), strategy="safe"), METRICS)
