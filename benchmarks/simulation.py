@@ -6,17 +6,21 @@ python -m benchmarks.simulation
 import copy
 from collections.abc import Callable, Iterator
 from functools import partial
+from importlib import import_module
 from importlib.util import find_spec
 from statistics import median
+from typing import Any
 
+import gymnasium
 import numpy as np
 import torch
+from gymnasium import Env
 
 from benchmarks.timing import Row, paired, seconds, table
 from pipeline.driving import camera
 from pipeline.driving.cars import Cars, move
 from pipeline.driving.environment import DrivingEnv
-from pipeline.driving.features import CAMERA
+from pipeline.driving.features import CAMERA, CONTROL_HZ
 from pipeline.driving.network import PrimaryNetwork
 from pipeline.driving.reference import reference_actions
 from pipeline.driving.task import Driving
@@ -31,13 +35,14 @@ from pipeline.rollout.workers import in_order
 
 TRACK = "spruce"
 SECONDS = 10.0  # of a drive
+STEPS = 60  # of a control step each, two seconds
 DRIVES = 6  # spread over workers
 
 
 def rows() -> Iterator[Row]:
     """All rows."""
-    for traffic, channels, whose in ((12, 32, "half the paper's width"), (40, CHANNELS, "paper's")):
-        yield closed_loop(traffic, channels, f"{traffic} cars, network of {whose}")
+    yield closed_loop(12, CHANNELS // 2, "12 cars, half the paper's network")
+    yield closed_loop(40, CHANNELS, "40 cars, the paper's network")
     for traffic in (12, 40):
         yield traffic_step(traffic)
     yield new_drive()
@@ -101,7 +106,7 @@ def new_drive() -> Row:
 
 def two_workers() -> Row:
     """How much faster two workers are than one: in an evaluation, and in rendering alone."""
-    driver, trial = _driver(32), _trial(12)
+    driver, trial = _driver(CHANNELS // 2), _trial(12)
     jobs = [(trial, driver)] * DRIVES
     states = [(_states(trial.plan), None)] * DRIVES
     turns = [(_gain(evaluate, jobs), _gain(_see_and_act, states)) for _ in range(6)][1:]
@@ -117,55 +122,44 @@ def two_workers() -> Row:
 
 def peers() -> Iterator[Row]:
     """A control step with its picture, beside one of what a user might take instead."""
-    import gymnasium
-
-    if find_spec("Box2D"):
-        yield _beside(gymnasium.make("CarRacing-v3"), "Gymnasium's CarRacing-v3, 96x96 pixels", 0)
-    if find_spec("highway_env"):
-        import highway_env
-
-        gymnasium.register_envs(highway_env)
-        config = {
-            "observation": {
-                "type": "GrayscaleObservation",
-                "observation_shape": (160, 72),
-                "stack_size": 1,
-                "weights": [0.2989, 0.5870, 0.1140],
-            },
-            "vehicles_count": 12,
-            "simulation_frequency": 30,
-            "policy_frequency": 30,
-            "duration": 1000,
-        }
-        env = gymnasium.make("highway-v0", config=config)
-        yield _beside(env, "HighwayEnv with 12 cars, 160x72 pixels", 12)
+    for name, module, traffic, make, action in (
+        ("Gymnasium's CarRacing-v3, 96x96 pixels", "Box2D", 0, _car_racing, lambda: np.zeros(3)),
+        ("HighwayEnv, as many cars and pixels", "highway_env", 12, _highway, lambda: 1),
+    ):
+        what = f"control step with picture, {traffic} cars, against {name}"
+        if not find_spec(module):
+            yield Row(f"{what} (not installed: {module})", np.nan, np.nan, "", np.nan)
+            continue
+        own, other = DrivingEnv(track=TRACK, traffic=traffic), make()
+        for env in (own, other):
+            env.reset(seed=0)
+        ours, floor, ratio = paired(partial(_steps, own, own.label), partial(_steps, other, action))
+        own.close()
+        other.close()
+        yield Row(what, ours * 1e3 / STEPS, floor * 1e3 / STEPS, "ms", ratio)
 
 
-def missing() -> list[str]:
-    """What `peers` leaves out: what is not installed."""
-    wanted = {"Box2D": "CarRacing-v3: gymnasium[box2d]", "highway_env": "HighwayEnv: highway-env"}
-    return [what for module, what in wanted.items() if not find_spec(module)]
+def _car_racing() -> Env[Any, Any]:
+    return gymnasium.make("CarRacing-v3")
 
 
-def _beside(env, name: str, traffic: int) -> Row:  # type: ignore[no-untyped-def]
-    own = DrivingEnv(track=TRACK, traffic=traffic, laps=np.inf, seconds=np.inf)
+def _highway() -> Env[Any, Any]:
+    gymnasium.register_envs(import_module("highway_env"))
+    grey = {"type": "GrayscaleObservation", "observation_shape": (160, 72), "stack_size": 1}
+    config = {
+        "observation": grey | {"weights": [0.2989, 0.5870, 0.1140]},
+        "vehicles_count": 12,
+        "simulation_frequency": CONTROL_HZ,
+        "policy_frequency": CONTROL_HZ,
+    }
+    return gymnasium.make("highway-v0", config=config)
 
-    def steps(env, action) -> None:  # type: ignore[no-untyped-def]
-        env.reset(seed=0)
-        for _ in range(60):
-            _, _, terminated, truncated, _ = env.step(action())
-            if terminated or truncated:
-                env.reset(seed=0)
 
-    def idle():  # type: ignore[no-untyped-def]
-        return 1 if name.startswith("Highway") else np.zeros(3)
-
-    ours, floor, ratio = paired(partial(steps, own, own.label), partial(steps, env, idle))
-    own.close()
-    env.close()
-    return Row(
-        f"control step, {traffic} cars, against {name}", ours / 0.06, floor / 0.06, "ms", ratio
-    )
+def _steps(env: Env[Any, Any], action: Callable[[], Any]) -> None:
+    for _ in range(STEPS):
+        _, _, terminated, truncated, _ = env.step(action())
+        if terminated or truncated:
+            env.reset(seed=0)
 
 
 def _driver(channels: int) -> Driver:
@@ -215,5 +209,3 @@ def _work(job: Callable[..., object], jobs: list[tuple], workers: int = 1) -> No
 
 if __name__ == "__main__":
     print(table(rows()))
-    for name in missing():
-        print(f"skipped, not installed: {name}")

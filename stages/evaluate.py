@@ -23,7 +23,7 @@ def evaluate(
     strategies: Annotated[
         str | None,
         typer.Option(
-            help="Driving strategies, separated by commas; by default naive, and with a safety policy safe and optimal."
+            help="Driving strategies, separated by commas; by default naive, and with a safety policy safe."
         ),
     ] = None,
     starts: Annotated[
@@ -55,7 +55,7 @@ def evaluate(
     driver = Driver.load(primary, safety, hold=hold or 1, device=find_device(device))
     driver.check_task(task.name, task.features)
     judgement = Judgement.read(safety, cut) if safety else None
-    told = strategies or ("naive,safe,optimal" if safety else "naive")
+    told = strategies or ("naive,safe" if safety else "naive")
     rules = [rule_of(parse_driving(name), judgement) for name in options.names(told)]
     planned = list(trials(task, rules, starts, seed=seed))
     rows = []

@@ -33,8 +33,8 @@ def affordances(cars: Cars, track: Track) -> NDArray[np.float32]:
             lane < track.lanes - 1,
             *(gap < SENSOR_RANGE for gap in gaps),
             *gaps,
-            np.clip(position, -1.0, 1.0),
-            np.clip(cars.angle(track, 1)[0] / FULL_ANGLE, -1.0, 1.0),
+            min(max(position, -1.0), 1.0),
+            min(max(cars.angle(track, 1)[0] / FULL_ANGLE, -1.0), 1.0),
         ],
         dtype=np.float32,
     )

@@ -91,7 +91,7 @@ class Track:
     def lane_of(self, d: NDArray[np.float64]) -> NDArray[np.int64]:
         """The lane nearest to the lateral position `d` [m]."""
         lane = np.rint((self.lanes - 1) / 2 - d / LANE_WIDTH)
-        return np.clip(lane, 0, self.lanes - 1).astype(np.int64)
+        return np.minimum(np.maximum(lane, 0), self.lanes - 1).astype(np.int64)
 
 
 @dataclass(frozen=True)
