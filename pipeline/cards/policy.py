@@ -1,5 +1,6 @@
 """What there is to say of a policy, read from its directory and from what was measured of it."""
 
+import math
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -75,7 +76,8 @@ def _measured(metrics: Path, step: str, primary: str, *, is_safety: bool) -> dic
     drives = read_driven(metrics, step)
     if set(drives.primary) == {primary}:
         found["tracks"] = drives.scenario.unique().tolist()
-        found["most"] = {"laps": float(drives["task.laps"].max())}
+        most = float(drives["task.laps"].max())
+        found["most"] = {"laps": most} if math.isfinite(most) else {}
         found["driving"] = [
             {"strategy": str(strategy), "condition": condition, "drives": len(driven)}
             | measure(driven, METRICS)

@@ -56,8 +56,7 @@ class Tables:
     def most(self, metric: Metric) -> float:
         """What the metric can be at most, as the task was set; infinity where nothing says so."""
         column = f"task.{metric.most}"
-        told = self.drives[column].dropna() if column in self.drives else ()
-        return float(max(told, default=math.inf))
+        return float(self.drives[column].max()) if column in self.drives else math.inf
 
     def iterations(self, run: str) -> list[int]:
         """The iterations that a run has on any seed, ascending."""

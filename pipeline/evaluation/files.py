@@ -3,7 +3,9 @@
 import json
 from pathlib import Path
 
-from pydantic import BaseModel, TypeAdapter, ValidationError
+from pydantic import BaseModel, TypeAdapter, ValidationError, create_model
+
+from pipeline.metric import QUALITY
 
 
 class Ledger(BaseModel):
@@ -16,17 +18,13 @@ class Ledger(BaseModel):
     takeover: float
 
 
-class Quality(BaseModel):
-    """What `learning.quality` finds, by labels of a tau; None where it is not defined."""
-
-    tau: float
-    frames: float
-    """how many were measured"""
-    auroc: float | None
-    recall: float | None
-    precision: float | None
-    share_unsafe: float | None
-    share_predicted_unsafe: float | None
+Quality = create_model(
+    "Quality",
+    tau=(float, ...),
+    frames=(float, ...),
+    **{each.part: (float | None, ...) for each in QUALITY.values()},  # type: ignore[call-overload]
+)
+"""What `learning.quality` finds in so many frames, by labels of a tau; None where it is not defined."""
 
 
 class ErrorShares(BaseModel):

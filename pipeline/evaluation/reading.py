@@ -217,9 +217,13 @@ def read_driven(folder: Path, name: str) -> pd.DataFrame:
         FileNotFoundError, ValueError: as `read_drives` and `read_json`.
     """
     drives = read_drives(folder / f"drives_{name}.csv")
-    settings = _rows(folder / f"driving_{name}.json", Setting).set_index("condition")
-    told = settings.add_prefix("task.").reindex(drives.condition).set_index(drives.index)
-    return pd.concat([drives, told], axis=1)
+    file = folder / f"driving_{name}.json"
+    settings = _rows(file, Setting).fillna({"laps": math.inf})
+    for condition in drives.condition.unique():
+        if condition not in set(settings.condition):
+            raise ValueError(f"{file}: no row of condition {condition!r}, expected one")
+    told = settings.set_index("condition").add_prefix("task.").loc[drives.condition]
+    return pd.concat([drives, told.set_index(drives.index)], axis=1)
 
 
 def _rows(file: Path, kind: type[BaseModel], **columns: Any) -> pd.DataFrame:

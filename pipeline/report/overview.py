@@ -2,20 +2,21 @@
 
 from collections.abc import Iterator
 
+from pipeline.driving.metrics import METRICS
 from pipeline.evaluation.experiment import Experiment, mean
 from pipeline.evaluation.wording import written
 from pipeline.metric import SPENT
 from pipeline.report.tables import NAIVE, SAFE, failed, measured
 
+SHOWN = (("laps", NAIVE), ("laps", SAFE), ("takeover", SAFE))
+QUERIES = SPENT["queries"]
 HEADER = (
     "Run",
     "Iteration",
     "Seeds",
-    "Laps, naive",
-    "Laps, safe",
-    "Takeover, safe",
-    "Failed, naive",
-    "Queries",
+    *(f"{METRICS[metric].title}, {strategy}" for metric, strategy in SHOWN),
+    f"Failed, {NAIVE}",
+    QUERIES.title,
 )
 """Pairs are without / with traffic. Failed are drives that did not do all laps; queries are those of
 the loop so far, the mean over the seeds.
@@ -24,7 +25,6 @@ the loop so far, the mean over the seeds.
 
 def overview(experiment: Experiment) -> Iterator[list[str]]:
     """A row for each run and iteration, over its seeds, under HEADER."""
-    queries = SPENT["queries"]
     for run in experiment.runs:
         for iteration in experiment.iterations(run):
             drives = experiment.among(run=run, iteration=iteration)
@@ -33,9 +33,7 @@ def overview(experiment: Experiment) -> Iterator[list[str]]:
                 experiment.title(run),
                 str(iteration),
                 ", ".join(map(str, experiment.seeds_of(run, iteration))),
-                measured(experiment, drives, "laps", NAIVE),
-                measured(experiment, drives, "laps", SAFE),
-                measured(experiment, drives, "takeover", SAFE),
+                *(measured(experiment, drives, *each) for each in SHOWN),
                 f"{short.sum()} of {len(short)}",
-                written(queries, mean(experiment.spent, queries, run=run, iteration=iteration)),
+                written(QUERIES, mean(experiment.spent, QUERIES, run=run, iteration=iteration)),
             ]

@@ -124,6 +124,19 @@ def test_a_missing_file_is_named(tmp_path: Path, name: str) -> None:
         read_experiment(tmp_path)
 
 
+def test_drives_in_a_condition_of_which_nothing_is_known_are_refused(tmp_path: Path) -> None:
+    file = write_seed(tmp_path, 0) / "driving_safedagger_1.json"
+    file.write_text(file.read_text().replace('"traffic"', '"rain"'))
+    with pytest.raises(ValueError, match=r"_1.json: no row of condition 'traffic', expected one"):
+        read_experiment(tmp_path)
+
+
+def test_without_a_number_of_laps_there_is_no_end_to_them(tmp_path: Path) -> None:
+    for file in write_seed(tmp_path, 0).glob("driving_*.json"):
+        file.write_text(file.read_text().replace('"laps": 3.0', '"laps": null'))
+    assert read_experiment(tmp_path).most(METRICS["laps"]) == math.inf
+
+
 @pytest.mark.parametrize("folders", [[], ["seed_0"], ["seed_0", "seed_1"]])
 def test_no_results_are_refused(tmp_path: Path, folders: list[str]) -> None:
     for folder in folders:

@@ -25,7 +25,7 @@ def test_a_row_a_step_with_what_it_came_to() -> None:
         "Laps, safe": "3.00 / 3.00",
         "Takeover, safe": "5.0 % / 15.0 %",
         "Failed, naive": "48 of 48",
-        "Queries": "3,000",
+        "Queries so far": "3,000",
     }
     assert rows[3][6:] == ["0 of 48", "7,000"]
 
