@@ -33,7 +33,7 @@ from pipeline.rollout.rules.reference import Reference
 
 TASK = Driving(tracks="alder,birch,cedar,hazel,larch", traffic=12)
 DRIVES = 5  # of 200 frames
-COPIES = 8
+COPIES = 4
 ASKED = 0.4  # share of the frames, in runs of 6 on average
 BATCH = 32
 
@@ -123,10 +123,8 @@ def _starts(root: Path) -> Iterator[Row]:
     """Whole commands, on little: their start is most of it."""
     commands = {
         "select": "rollout out",
-        "sample": "rollout out --frames 100 --seed 0",
         "merge": "D_0 new out",
         "ledger": "rollout D_1 --metrics out",
-        "contact-sheet": "D_1 out --frames 2",
         "collect": "out --task driving --tracks alder --episodes 1 --seconds 0.1 --workers 1",
     }
     for name, words in commands.items():
@@ -135,7 +133,7 @@ def _starts(root: Path) -> Iterator[Row]:
             _python("-m", "stages", name, *words.split(), cwd=root)
 
         times = paired(
-            _anew(root / "out", ours), lambda: _python("-c", "import lerobot.datasets"), 3
+            _anew(root / "out", ours), lambda: _python("-c", "import lerobot.datasets"), 2
         )
         yield _row(f"{name} as a command, and `import lerobot.datasets`", times, 1, "s", "below 1")
 
