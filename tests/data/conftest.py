@@ -1,7 +1,7 @@
-"""Datasets that several tests read, written once: importing LeRobot takes 15 s."""
+"""Datasets that several tests read, written once."""
 
 import json
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -26,15 +26,6 @@ def strict_json(file: Path) -> dict:
         raise ValueError(f"{file} has {constant}")
 
     return json.loads(file.read_text(), parse_constant=refuse)
-
-
-@pytest.fixture(scope="session", autouse=True)
-def cache(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
-    """Stands for the user's home, where `datasets` leaves its copies unless it is prevented."""
-    folder = tmp_path_factory.mktemp("home") / "cache"
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("datasets.config.HF_DATASETS_CACHE", folder)
-        yield folder
 
 
 @pytest.fixture

@@ -18,7 +18,6 @@ from tests.episodes import random_episode, write
 
 def test_bytes_depend_on_neither_place_nor_hash_seed(tmp_path: Path) -> None:
     here, there = tmp_path / "here", tmp_path / "somewhere" / "else"
-    # first in this directory, so that both processes import LeRobot at the same time
     with subprocess.Popen(
         [sys.executable, "-m", "tests.data.sample", str(there)],
         cwd=Path(__file__).parents[2],

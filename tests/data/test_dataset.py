@@ -4,8 +4,10 @@ from typing import Any
 
 import cv2
 import numpy as np
+import pyarrow.parquet as pq
 import pytest
 
+from pipeline.data.blocks import GROUP
 from pipeline.data.dataset import Dataset
 from pipeline.data.images import read_episodes, read_images, read_some_images
 from pipeline.data.schema import CORE, Asked, Episode
@@ -25,6 +27,7 @@ from tests.data.spoiling import (
     set_column,
     set_last_image,
 )
+from tests.episodes import random_episode, write
 
 NUMBERS = [name for name in FEATURES if name != CAMERA]
 
@@ -79,6 +82,29 @@ def test_episodes_are_what_was_written(
         assert episode.task == drives[number].task
         for name in FEATURES.keys() - {"source.dataset"}:
             np.testing.assert_array_equal(episode.columns[name], drives[number].columns[name])
+
+
+def test_of_other_episodes_nothing_is_read(tmp_path: Path) -> None:
+    """Their rows may even be damaged."""
+    rng = np.random.default_rng(0)
+    drives = [random_episode(rng, GROUP, episode=number) for number in range(2)]
+    dataset = write(tmp_path / "D", drives)
+    (file,) = dataset.data_files
+    content, first = bytearray(file.read_bytes()), pq.read_metadata(file).row_group(0)
+    columns = [first.column(number) for number in range(first.num_columns)]
+    for column in columns:
+        if column.path_in_schema.split(".")[0] in (CAMERA, "action", "queried"):
+            start = column.dictionary_page_offset or column.data_page_offset
+            content[start : start + column.total_compressed_size] = (
+                b"x" * column.total_compressed_size
+            )
+    file.write_bytes(content)
+    ((number, episode),) = read_episodes(dataset, [1])
+    assert number == 1
+    for name in (CAMERA, "action", "queried"):
+        np.testing.assert_array_equal(episode.columns[name], drives[1].columns[name])
+    (image,) = read_some_images(dataset, CAMERA, [GROUP + 3])
+    np.testing.assert_array_equal(image, drives[1].columns[CAMERA][3])
 
 
 @pytest.mark.parametrize("name", [CAMERA, "speed", ""])
