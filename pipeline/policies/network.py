@@ -99,6 +99,8 @@ class ConvNetwork(Actor):
         x = images.mul(2).sub_(1).to(kind or self.conv1.weight.dtype)
         if x.device.type == "cpu" and x.dtype == torch.bfloat16:
             x = x.to_mkldnn()  # so oneDNN pools, too: in much less time than PyTorch
+        else:
+            x = x.contiguous(memory_format=torch.channels_last)
         for convolution in self.convolutions()[:4]:
             # The rectifier and the maximum commute: after the pooling it has a quarter to do.
             x = F.relu(F.max_pool2d(convolution(x), 2, 2))
@@ -166,11 +168,10 @@ class SafetyNetwork(nn.Module):
 
 
 def to_float(images: Tensor) -> Tensor:
-    """`images` uint8 [B, H, W, 3] as the network takes them: float [B, 3, H, W] in [0, 1].
-
-    The numbers stay in their order in memory, which PyTorch calls channels_last.
-    """
-    return images.permute(0, 3, 1, 2).float().div_(255)
+    """`images` uint8 [B, H, W, 3] as the network takes them: float [B, 3, H, W] in [0, 1]."""
+    # A colour's numbers side by side: jitter and oneDNN take half the time.
+    planes = torch.contiguous_format
+    return images.permute(0, 3, 1, 2).to(torch.float32, memory_format=planes).div_(255)
 
 
 def feature_size(image_shape: tuple[int, int, int], channels: int) -> int:
