@@ -97,7 +97,7 @@ class ConvNetwork(Actor):
         """
         # Centred on mid-grey, it learns faster than from positive numbers alone.
         x = images.mul(2).sub_(1).to(kind or self.conv1.weight.dtype)
-        if x.device.type == "cpu" and x.dtype == torch.bfloat16:
+        if x.device.type == "cpu" and torch.backends.mkldnn.is_available():
             x = x.to_mkldnn()  # so oneDNN pools, too: in much less time than PyTorch
         else:
             x = x.contiguous(memory_format=torch.channels_last)
