@@ -7,7 +7,7 @@ PYTHONS = python3.12 python3 python "$$(uv python find --no-python-downloads 3.1
 IS_3_12 = -c 'import sys; sys.exit(sys.version_info[:2] != (3, 12))'
 WHEELS = --only-binary :all: --no-binary antlr4-python3-runtime
 
-.PHONY: repro demo experiment test lint
+.PHONY: repro demo experiment test lint bench
 
 repro: .venv/.ready
 	dvc repro runs && dvc repro
@@ -33,6 +33,10 @@ lint: .venv/.metaworld
 	ruff check .
 	mypy
 
+# How fast each part is beside its floor, into docs/benchmarks.md.
+bench: .venv/.bench
+	python -m benchmarks
+
 .venv/.ready: requirements.lock pyproject.toml plugin/pyproject.toml | .venv/bin/uv
 	@echo "Installing into .venv: about a minute, and 6 GB"
 	@uv pip install --quiet --python .venv/bin/python --compile-bytecode $(WHEELS) -r requirements.lock
@@ -42,6 +46,12 @@ lint: .venv/.metaworld
 # What only tests need, and whoever drives the robot arm.
 .venv/.metaworld: requirements-metaworld.lock .venv/.ready
 	@uv pip install --quiet --python .venv/bin/python --compile-bytecode $(WHEELS) -r $<
+	@touch $@
+
+# What only benchmarks need, to compare with.
+.venv/.bench: pyproject.toml .venv/.ready
+	@uv pip install --quiet --python .venv/bin/python --compile-bytecode $(WHEELS) \
+	    --constraint requirements.lock --requirements pyproject.toml --extra bench
 	@touch $@
 
 # Any python that really is a 3.12: a pyenv shim may be on the path and yet fail.

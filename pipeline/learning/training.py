@@ -72,12 +72,11 @@ def train_primary(
     if initial is not None:
         _begin_with(network, initial)
     network.to(device)
-    bfloat16 = settings.bfloat16 and has_bfloat16(device)
+    kind = torch.bfloat16 if settings.bfloat16 and has_bfloat16(device) else torch.float32
 
     def losses(bright: Tensor, shown: Batch) -> tuple[Tensor, dict[str, Tensor]]:
         moved = {name: column.to(device) for name, column in shown.items()}
-        with torch.autocast(device.type, torch.bfloat16, bfloat16):
-            seen = network.features(bright.to(device))
+        seen = network.features(bright.to(device), kind)
         return lesson.loss(network, network.join(seen.float(), moved), moved)
 
     def batch(numbers: np.ndarray) -> Batch:

@@ -15,7 +15,8 @@ from pipeline.driving.network import (
     primary_loss,
     to_actions,
 )
-from pipeline.policies.network import SafetyNetwork, to_float
+from pipeline.policies.computing import CPU
+from pipeline.policies.network import SafetyNetwork, has_bfloat16, to_float
 
 torch.set_num_threads(1)
 
@@ -92,6 +93,28 @@ def test_pooling_before_the_rectifier_changes_neither_values_nor_gradients():
         gradients.append([layer.weight.grad.clone() for layer in network.convolutions()])
         assert torch.equal(features, as_in_the_paper())
     assert all(torch.allclose(a, b) for a, b in zip(*gradients, strict=True))
+
+
+@pytest.mark.skipif(not has_bfloat16(CPU), reason="this processor has no bfloat16")
+def test_onednns_layout_changes_neither_values_nor_gradients():
+    """Bit by bit: of PyTorch's own bfloat16, with the numbers of a pixel side by side."""
+    network = PrimaryNetwork(8, generator=generator())
+    images = torch.rand(2, 3, 72, 160, generator=generator(1)).to(memory_format=torch.channels_last)
+
+    def as_pytorch_has_it() -> torch.Tensor:
+        x = (2 * images - 1).bfloat16()
+        for convolution in network.convolutions()[:4]:
+            x = F.relu(F.max_pool2d(convolution(x), 2))
+        return F.relu(network.conv5(x))
+
+    gradients = []
+    for features in (network.features(images, torch.bfloat16), as_pytorch_has_it()):
+        network.zero_grad()
+        assert features.dtype == torch.bfloat16
+        features.square().sum().backward()
+        gradients.append([layer.weight.grad.clone() for layer in network.convolutions()])
+        assert torch.equal(features, as_pytorch_has_it())
+    assert all(torch.equal(a, b) for a, b in zip(*gradients, strict=True))
 
 
 def test_weights_come_from_the_generator_and_leave_the_global_one_alone():
