@@ -133,7 +133,7 @@ def test_the_demo_films_and_records_a_drive(
     for line in recipe.splitlines()[1:]:
         typed(*shlex.split(line), "--laps", "0.1")
     assert {path.name for path in tmp_path.iterdir()} == {"examples", "demo.gif", "demo.rrd"}
-    assert capsys.readouterr().out.count("ended: laps done") == 2
+    assert capsys.readouterr().out.count("ended: laps done") == 3
 
 
 def test_a_task_and_a_reference_of_ones_own(
