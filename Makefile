@@ -12,12 +12,15 @@ WHEELS = --only-binary :all: --no-binary antlr4-python3-runtime
 repro: .venv/.ready
 	dvc repro runs && dvc repro
 
-# A lap by the safe strategy, with the policies in git: a film, and a file for Rerun.
-LAP = examples/demo/primary examples/demo/safety --tracks yew --traffic 12 --laps 1 --seconds 120
+# A lap by the safe strategy, with the policies in git: a film of the supervised pair beside that of
+# the last iteration, and a file for Rerun of the former.
+SUPERVISED = examples/demo/primary_0 examples/demo/safety_0
+LAST = examples/demo/primary_3 examples/demo/safety_3
+LAP = --tracks yew --traffic 12 --laps 1 --seconds 120 --strategy safe --seed 1
 demo: .venv/.ready
 	@rm -f demo.gif demo.rrd
-	safedagger film $(LAP) --strategy safe --seed 1 --show-every 2 --output demo.gif
-	safedagger watch $(LAP) --strategy safe --seed 1 --save demo.rrd
+	safedagger film $(SUPERVISED) --beside $(LAST) $(LAP) --show-every 4 --output demo.gif
+	safedagger watch $(SUPERVISED) $(LAP) --save demo.rrd
 
 # The comparison on one seed, e.g. `make experiment SEED=1`: all strategies beside each other.
 SEED = 0

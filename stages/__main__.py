@@ -114,6 +114,7 @@ def safedagger(
 
 def main() -> None:
     """Run a stage. Bad input is one line on stderr and exit code 2, a fault of the machine code 1."""
+    sys.path.append(os.getcwd())  # of "module:name" on the command line
     for name, value in ENVIRONMENT.items():
         os.environ.setdefault(name, value)
     try:

@@ -8,6 +8,9 @@ import typer
 from stages import options
 
 if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
     from pipeline.task import Task
 
 app = typer.Typer()
@@ -22,15 +25,19 @@ def film(
     output: Annotated[Path, typer.Option(help="The film to write (GIF). It must not exist.")],
     seed: options.Seed,
     safety: options.SafetyIfAny = None,
+    other: Annotated[
+        tuple[Path, Path] | None,
+        typer.Option("--beside", help="Another primary and its safety policy, on the right."),
+    ] = None,
     cut: options.Cut = None,
     device: options.Device = "cpu",
 ) -> None:
     """Drive, and write a film of it (GIF).
 
-    Ten pictures a second.
+    Ten pictures a second. With --beside, another pair drives from the same start.
     """
     from pipeline.inspection.drawn import track_to_draw
-    from pipeline.inspection.film import gif, shoot
+    from pipeline.inspection.film import beside, gif, shoot
     from pipeline.output import check_place, write_file
     from pipeline.policies.computing import find_device
     from pipeline.policies.inference import Driver
@@ -42,14 +49,25 @@ def film(
     if output.suffix != ".gif":
         raise ValueError(f"{output}: expected a name that ends in .gif")
     track = track_to_draw(task)
-    driver = Driver.load(primary, safety, device=find_device(device))
-    rule = rule_of(parse_driving(strategy), Judgement.read(safety, cut) if safety else None)
-    plan = Plan(task, track.name, rule, (seed, SEED_STREAMS["film"]))
-    pictures = []
-    with options.progress("driving", 1) as advance_to:
-        for number, (picture, tally) in enumerate(shoot(plan, driver)):
-            if number % show_every == 0:
-                pictures.append(picture)
-            advance_to(tally.done)
+    computes, how = find_device(device), parse_driving(strategy)
+    pairs = [
+        (
+            Driver.load(learner, watcher, device=computes),
+            rule_of(how, Judgement.read(watcher, cut) if watcher else None),
+        )
+        for learner, watcher in ((primary, safety), *([other] if other else []))
+    ]
+    films: list[list[NDArray[np.uint8]]] = []
+    ends = []
+    with options.progress("driving", len(pairs)) as advance_to:
+        for before, (driver, rule) in enumerate(pairs):
+            plan = Plan(task, track.name, rule, (seed, SEED_STREAMS["film"]))
+            films.append([])
+            for number, (picture, tally) in enumerate(shoot(plan, driver)):
+                if number % show_every == 0:
+                    films[-1].append(picture)
+                advance_to(before + tally.done)
+            ends.append(str(tally))
+    pictures = beside(*films) if other else films[0]
     write_file(output, gif(pictures, milliseconds=100))
-    typer.echo(f"{output}: {len(pictures)} pictures; {tally}")
+    typer.echo(f"{output}: {len(pictures)} pictures; {' | '.join(ends)}")

@@ -7,13 +7,22 @@ import numpy as np
 from pipeline.data.dataset import Dataset
 
 CAMERAS = ("observation.images.wrist", "observation.images.top")
+SHAPES = {CAMERAS[0]: (48, 64, 3), CAMERAS[1]: (64, 96, 3)}
 JOINTS = [f"joint_{number}.pos" for number in range(7)]
 LENGTHS = (6, 4)
 DROVE = [False, True, True, False, False, True, True, False, False, False]
 
 
-def foreign(path: Path, *, videos: bool) -> Dataset:
-    """Two cameras, seven joints, their state, a person who takes over; through LeRobot's API."""
+def foreign(
+    path: Path,
+    *,
+    videos: bool,
+    cameras: tuple[str, ...] = CAMERAS,
+    watched: bool = True,
+    seed: int = 0,
+) -> Dataset:
+    """Cameras, seven joints, their state, a person who takes over if it was `watched`; through
+    LeRobot's API."""
     from lerobot.datasets import LeRobotDataset
 
     picture = {"dtype": "video" if videos else "image", "names": ["height", "width", "channels"]}
@@ -21,10 +30,10 @@ def foreign(path: Path, *, videos: bool) -> Dataset:
     features = {
         "action": vector,
         "observation.state": vector,
-        CAMERAS[0]: picture | {"shape": (48, 64, 3)},
-        CAMERAS[1]: picture | {"shape": (64, 96, 3)},
-        "intervention": {"dtype": "bool", "shape": (1,), "names": None},
+        **{camera: picture | {"shape": SHAPES[camera]} for camera in cameras},
     }
+    if watched:
+        features["intervention"] = {"dtype": "bool", "shape": (1,), "names": None}
     dataset = LeRobotDataset.create(
         "local/rollout_arm",
         fps=20,
@@ -34,7 +43,7 @@ def foreign(path: Path, *, videos: bool) -> Dataset:
         use_videos=videos,
         video_backend="pyav",
     )
-    rng = np.random.default_rng(0)
+    rng = np.random.default_rng(seed)
     row = 0
     for length in LENGTHS:
         for _ in range(length):
@@ -42,8 +51,8 @@ def foreign(path: Path, *, videos: bool) -> Dataset:
                 {
                     "action": rng.random(7, np.float32),
                     "observation.state": rng.random(7, np.float32),
-                    **{c: np.full(features[c]["shape"], 20 * row, np.uint8) for c in CAMERAS},
-                    "intervention": np.array([DROVE[row]]),
+                    **{c: np.full(SHAPES[c], 20 * row, np.uint8) for c in cameras},
+                    **({"intervention": np.array([DROVE[row]])} if watched else {}),
                     "task": "stack the blocks",
                 }
             )

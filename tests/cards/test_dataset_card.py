@@ -16,7 +16,7 @@ from pipeline.driving.features import FEATURES
 from tests.cards.conftest import ALDER, BIRCH
 from tests.episodes import random_episode, write
 
-README = (Path(__file__).parents[2] / "README.md").read_text()
+PAGE = (Path(__file__).parents[2] / "docs/datasets.md").read_text()
 NAMES = ["D_0", "D_1", "new_1", "rollout_1"]
 
 
@@ -133,12 +133,12 @@ def test_its_limits_are_those_of_its_data(cards: Path) -> None:
     assert "`primary_action` in 7, `safe_probability` in 7, `deviation` in 7" in limits["D_1"]
 
 
-def test_the_columns_mean_what_the_readme_says(cards: Path) -> None:
+def test_the_columns_mean_what_the_page_says(cards: Path) -> None:
     card = (cards / "rollout_1.md").read_text().split("## Columns")[1].split("##")[0]
     meanings = dict(re.findall(r"^\| `([\w.]+)` \| (.+?) \|", card, re.MULTILINE))
     assert set(meanings) == set(FEATURES)
     for name, meaning in meanings.items():
-        assert name.startswith("source.") or f"| `{name}` | {meaning} |" in README
+        assert name.startswith("source.") or f"| `{name}` | {meaning} |" in PAGE
 
 
 def test_the_picture_shows_six_frames(cards: Path) -> None:

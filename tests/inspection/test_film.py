@@ -9,7 +9,7 @@ from PIL import Image
 
 from pipeline.driving.network import PrimaryNetwork
 from pipeline.driving.tracks import make_track
-from pipeline.inspection.film import PRIMARY, REFERENCE, gif, shoot
+from pipeline.inspection.film import PRIMARY, REFERENCE, beside, gif, shoot
 from pipeline.inspection.tracks import track_map
 from pipeline.policies.inference import Driver
 from pipeline.rollout.plans import Plan
@@ -61,6 +61,16 @@ def test_a_gif_has_every_picture_and_equal_bytes(driver: Driver) -> None:
     film.seek(9)
     shown = np.asarray(film.convert("RGB")).astype(int)
     assert np.abs(shown - pictures[9]).mean() < 8
+
+
+def test_the_shorter_of_two_films_waits_at_its_end(driver: Driver) -> None:
+    film = [picture for picture, _ in shoot(BY_PRIMARY, driver)]
+    both = beside(film, film[:4])
+    width = film[0].shape[1]
+    assert len(both) == len(film)
+    for number, picture in enumerate(both):
+        np.testing.assert_array_equal(picture[:, :width], film[number])
+        np.testing.assert_array_equal(picture[:, width:], film[min(number, 3)])
 
 
 def test_no_pictures_are_refused() -> None:

@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import torch
+from PIL import Image
 
 from pipeline.data.dataset import Dataset
 from pipeline.driving.network import PrimaryNetwork
@@ -127,6 +128,18 @@ def test_driving_naively_needs_no_safety_policy(
         )
         shown[name] = [path.read_bytes() for path in (film, drives, metrics)]
     assert shown["with"] == shown["without"]
+
+
+def test_a_film_of_two_is_as_wide_as_both(
+    made: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(made)
+    alone, both = tmp_path / "alone.gif", tmp_path / "both.gif"
+    assert run(monkeypatch, "film", *BOTH[:2], *FILM, alone) == 0
+    assert run(monkeypatch, "film", *BOTH[:2], "--beside", *BOTH[2:], *FILM, both) == 0
+    assert capsys.readouterr().out.splitlines()[1].count("ended: out of time") == 2
+    (width, height), wider = (Image.open(path).size for path in (alone, both))
+    assert wider == (2 * width, height)
 
 
 def test_each_side_is_driven_by_its_own_policies(

@@ -10,10 +10,7 @@ import pytest
 from pipeline.data.dataset import Dataset
 from pipeline.policies.loading import policy_lineage
 from tests.command import typed
-from tests.test_readme import OWN, README, commands
-
-LOOP = commands(README, "Another robot, another policy")
-ACT = commands(OWN, "A policy that LeRobot trains")
+from tests.test_readme import ACT, ARM, commands
 
 
 @pytest.fixture(scope="module")
@@ -22,7 +19,7 @@ def arm(tmp_path_factory: pytest.TempPathFactory) -> Path:
     root = tmp_path_factory.mktemp("world")
     with pytest.MonkeyPatch.context() as patch:
         patch.chdir(root)
-        for command in (*LOOP, *ACT):
+        for command in (*commands(*ARM), *commands(*ACT)):
             typed(*command)
     return root / "arm"
 
