@@ -23,15 +23,23 @@ def example(tmp_path: Path) -> Path:
     return tmp_path
 
 
-def test_every_command_of_the_example_is_one_of_ours(example: Path) -> None:
+def test_every_command_of_the_example_is_one_of_ours(
+    example: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     """With all that it needs, and nothing that it does not know."""
-    stages = [stage for stage in Repo(str(example)).index.stages if stage.cmd]
+    monkeypatch.chdir(example)
+    stages = [stage for stage in Repo().index.stages if stage.cmd]
     assert len(stages) == 3 + 4 * 3 + 2 * 4  # once, in each iteration, of each policy
     for stage in stages:
+        read = [Path(dep.fs_path) for dep in stage.deps]
+        for path in read:
+            path.mkdir(parents=True)
         program, *words = stage.cmd.split()
         assert program == "safedagger"
         command = typer.main.get_command(commands(words)).commands[words[0]]  # type: ignore[attr-defined]
         command.make_context(words[0], words[1:])  # raises where it does not fit
+        for path in read:
+            path.rmdir()
 
 
 def test_the_root_pipeline_knows_nothing_of_it() -> None:

@@ -12,7 +12,7 @@ import pandas as pd
 
 from pipeline.driving.metrics import METRICS
 from pipeline.evaluation import statistics
-from pipeline.evaluation.drives import SITUATION
+from pipeline.evaluation.drives import SITUATION, column
 from pipeline.evaluation.experiment import Tables
 from pipeline.evaluation.statistics import Estimate, interquartile_mean, ratio_of_sums
 from pipeline.metric import Metric
@@ -113,7 +113,7 @@ def _columns(experiment: Tables, metric: Metric, cell: Cell) -> pd.DataFrame:
             f"{drive.strategy}, {drive.condition}, {drive.scenario}, start {drive.start}, "
             "expected one"
         )
-    taken = found.assign(_part=found.eval(metric.part), _whole=found.eval(metric.whole))
+    taken = found.assign(_part=column(found, metric.part), _whole=column(found, metric.whole))
     situations = taken.groupby(_SITUATION)[["_part", "_whole"]]
     complete = situations.size() == len(cell.iterations) * len(cell.conditions)
     return situations.mean()[complete]

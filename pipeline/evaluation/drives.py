@@ -8,7 +8,7 @@ import math
 from collections.abc import Iterable, Mapping
 from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 import pandas as pd
@@ -74,6 +74,11 @@ def read_drives(path: Path) -> pd.DataFrame:
     driven = found.takeover_frames + found.primary_frames == found.frames
     _check(path, found, "frames", driven, "takeover_frames + primary_frames")
     return found.assign(**{DRIVES: 1})
+
+
+def column(drives: pd.DataFrame, told: str) -> "pd.Series[Any]":
+    """What a `metric.Metric` takes of each drive: a column, or what an expression of them comes to."""
+    return cast("pd.Series[Any]", drives.eval(told))
 
 
 def among(drives: pd.DataFrame, **values: Any) -> pd.DataFrame:

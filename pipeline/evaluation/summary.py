@@ -5,6 +5,7 @@ from collections.abc import Mapping
 
 import pandas as pd
 
+from pipeline.evaluation.drives import column
 from pipeline.metric import Metric, shown
 
 
@@ -39,5 +40,5 @@ def headline(
 
 def _ratio(drives: pd.DataFrame, metric: Metric) -> float | None:
     # fsum is exact, so that the order of the drives cannot show in the last digit
-    part, whole = (math.fsum(drives.eval(each)) for each in (metric.part, metric.whole))
+    part, whole = (math.fsum(column(drives, each)) for each in (metric.part, metric.whole))
     return part / whole if whole > 0 and not math.isnan(part) else None
