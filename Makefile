@@ -29,7 +29,7 @@ experiment: .venv/.ready
 	@scales/run '$(SCALE)' '$(SEED)'
 
 test: .venv/.metaworld
-	pytest
+	pytest -n logical --maxprocesses 4 --dist loadfile
 
 lint: .venv/.metaworld
 	ruff format --check .

@@ -12,6 +12,7 @@ from pipeline.driving.tracks import TEST
 from pipeline.evaluation.files import Quality, Rows, read_json
 from pipeline.evaluation.reading import read_driven
 from pipeline.evaluation.summary import measure
+from pipeline.metric import shown
 from pipeline.policies.loading import (
     SAFETY_TYPE,
     load_primary,
@@ -80,7 +81,7 @@ def _measured(metrics: Path, step: str, primary: str, *, is_safety: bool) -> dic
         found["most"] = {"laps": most} if math.isfinite(most) else {}
         found["driving"] = [
             {"strategy": str(strategy), "condition": condition, "drives": len(driven)}
-            | measure(driven, METRICS)
+            | measure(driven, shown(METRICS, "cards"))
             for strategy in DRIVING
             for condition in drives.condition.unique()
             if len(

@@ -78,7 +78,7 @@ def read_drives(path: Path) -> pd.DataFrame:
 
 def column(drives: pd.DataFrame, told: str) -> "pd.Series[Any]":
     """What a `metric.Metric` takes of each drive: a column, or what an expression of them comes to."""
-    return cast("pd.Series[Any]", drives.eval(told))
+    return drives[told] if told in drives else cast("pd.Series[Any]", drives.eval(told))
 
 
 def among(drives: pd.DataFrame, **values: Any) -> pd.DataFrame:

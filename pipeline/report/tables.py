@@ -180,9 +180,10 @@ def estimates(
 
 def measured(experiment: Tables, drives: pd.DataFrame, metric: str, strategy: Strategy) -> str:
     """Of some drives, in each condition; NOTHING where nobody drove."""
-    form = FORMS[METRICS[metric].form].value
+    told = {metric: METRICS[metric]}
+    form = FORMS[told[metric].form].value
     groups = _groups(experiment, among(drives, strategy=strategy))
-    return pair(NOTHING if each.empty else form(measure(each, METRICS)[metric]) for each in groups)
+    return pair(NOTHING if each.empty else form(measure(each, told)[metric]) for each in groups)
 
 
 def _groups(experiment: Tables, drives: pd.DataFrame) -> list[pd.DataFrame]:

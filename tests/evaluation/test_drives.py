@@ -53,7 +53,10 @@ def test_one_row_reads_as_expected(tmp_path: Path) -> None:
     write_drives(tmp_path / "drives.csv", table([row]))
     header, line = (tmp_path / "drives.csv").read_text().splitlines()
     assert header == ",".join(row)
-    assert line == "yew,traffic,40.0,naive,0,1.5,0.1,500,0,500,0,0,5.0,1.0,road left,ab,cd,made up"
+    assert (
+        line
+        == "yew,traffic,40.0,naive,0,1.5,900.0,0.1,0.0,500,0,500,0,0,5.0,1.0,road left,ab,cd,made up"
+    )
 
 
 def test_drives_are_told_apart_by_their_columns() -> None:

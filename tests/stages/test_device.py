@@ -13,27 +13,27 @@ TRACK = ("--tracks", "yew", "--traffic", "0", "--seconds", "1", "--action-repeat
 FOUND = ("--strategy", "naive", *TRACK, "--seed", "0")
 ROLLOUT = ("--queries", "9", "--frames", "20", "--iteration", "1", "--metrics", "m.json")
 TYPED = {
-    "train-primary": ("missing", "out", *CONV, *FIT),
-    "train-safety": ("missing",) * 3 + ("out", *SAFETY, *FIT, "--metrics", "m.json"),
-    "rollout": ("missing", "missing", "out", *TASK, *ROLLOUT, "--workers", "1"),
+    "train-primary": ("there", "out", *CONV, *FIT),
+    "train-safety": ("there",) * 3 + ("out", *SAFETY, *FIT, "--metrics", "m.json"),
+    "rollout": ("there", "there", "out", *TASK, *ROLLOUT, "--workers", "1"),
     "rollout-dagger": (
-        *("missing", "out", *TASK, "--beta", "0", "--frames", "9", "--iteration", "1"),
+        *("there", "out", *TASK, "--beta", "0", "--frames", "9", "--iteration", "1"),
         *("--workers", "1"),
     ),
     "evaluate": (
-        *("missing", "missing", *TRACK, "--starts", "1", "--strategies", "naive", "--seed", "0"),
+        *("there", "there", *TRACK, "--starts", "1", "--strategies", "naive", "--seed", "0"),
         *("--drives", "d.csv", "--metrics", "m.json", "--workers", "1"),
     ),
     "errors": (
-        *("missing", "missing", "missing", "--tau", "1", "--measure", "steering"),
+        *("there", "there", "there", "--tau", "1", "--measure", "steering"),
         *("--share", "0.5", "--figure", "f.png", "--metrics", "m.json"),
     ),
     "film": (
-        *("missing", "missing", "--output", "out.gif", *FOUND, "--laps", "1"),
+        *("there", "there", "--output", "out.gif", *FOUND, "--laps", "1"),
         *("--show-every", "1"),
     ),
-    "watch": ("missing", "missing", *FOUND, "--save", "out.rrd"),
-    "compare-policies": (*("missing",) * 4, *FOUND, "--save", "out.rrd"),
+    "watch": ("there", "there", *FOUND, "--save", "out.rrd"),
+    "compare-policies": (*("there",) * 4, *FOUND, "--save", "out.rrd"),
 }
 
 
@@ -50,12 +50,13 @@ def test_a_device_that_there_is_not_is_refused_before_anything_is_read(
     monkeypatch: pytest.MonkeyPatch,
     capsys: pytest.CaptureFixture[str],
 ) -> None:
+    (tmp_path / "there").mkdir()
     monkeypatch.chdir(tmp_path)
     assert run(command, *TYPED[command], "--device", "cuda:99") == 2
     error = capsys.readouterr().err
     assert error.startswith("safedagger: device is 'cuda:99', expected one that this machine has: ")
     assert len(error.splitlines()) == 1
-    assert list(tmp_path.iterdir()) == []
+    assert [path.name for path in tmp_path.rglob("*")] == ["there"]
 
 
 def contents(folder: Path) -> dict[str, bytes]:

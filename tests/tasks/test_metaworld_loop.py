@@ -30,7 +30,7 @@ def test_it_is_driven_selected_merged_and_counted(arm: Path) -> None:
     )
     asked = driven.column("queried")
     assert 0 < asked.sum() == len(new) == len(after) - len(before)
-    ledger = json.loads((arm / "ledger_1.json").read_text())
+    (ledger,) = json.loads((arm / "ledger_1.json").read_text())["rows"]
     assert (ledger["queries"], ledger["frames_trained"]) == (asked.sum(), len(after))
     actions = driven.columns(["action", "primary_action"])
     apart = actions["action"] - actions["primary_action"]
