@@ -34,16 +34,18 @@ def keep(
         total: of that.
         count: how much of that a drive is.
     """
-    from pipeline.data.dataset import Dataset
     from pipeline.data.writing import write_dataset
+
+    ended: list[str] = []
 
     def episodes() -> Iterator["Episode"]:
         done = 0
         with options.progress(what, total) as advance_to:
             for recording in recordings:
                 yield recording.episode
+                ended.append(recording.ended)
                 done += count(recording)
                 advance_to(done)
 
     summary = write_dataset(output, episodes(), recipe, fps=task.fps, robot=task.robot)
-    return f"{summary}; {options.endings(drive['ended'] for drive in Dataset.open(output).drives)}"
+    return f"{summary}; {options.endings(ended)}"

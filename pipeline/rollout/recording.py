@@ -40,6 +40,11 @@ class Recording:
         """How often the reference was asked."""
         return int(self.episode.columns["queried"].sum())
 
+    @property
+    def ended(self) -> str:
+        """Why the drive was over, in words."""
+        return str((self.episode.ending or {})["ended"])
+
     def until(self, stop: int) -> Recording:
         """Its first `stop` frames, at least one: if these are not all, the budget ended it."""
         if stop == len(self.episode):
