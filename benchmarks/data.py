@@ -68,7 +68,7 @@ def _writing(drives: Sequence[Episode], root: Path) -> Row:
                 world.image()
 
     times = paired(_anew(root / "D", lambda path: _write(path, drives, "D_0")), render)
-    return _row("a frame written, and rendered", times, 1e3 / frames, "ms", "")
+    return Row.timed("a frame written, and rendered", times, 1e3 / frames, "ms", "")
 
 
 def _moving(d_0: Dataset, rollout: Dataset, new: Dataset, root: Path) -> Iterator[Row]:
@@ -93,7 +93,7 @@ def _moving(d_0: Dataset, rollout: Dataset, new: Dataset, root: Path) -> Iterato
 
         times = paired(_anew(root / "out", ours), floor)
         what = f"{name}: {chosen.sum()} of {len(chosen)} frames, and a row filter of the same files"
-        yield _row(what, times, 1, "s", "at most 3")
+        yield Row.timed(what, times, 1, "s", "at most 3")
 
 
 def _tensors(dataset: Dataset, root: Path) -> Row:
@@ -116,7 +116,7 @@ def _tensors(dataset: Dataset, root: Path) -> Row:
             pass
 
     what = "a frame from the dataset to a batch, and by LeRobot's DataLoader with two workers"
-    return _row(what, paired(ours, theirs, 3), 1e3 / len(dataset), "ms", "at most 1")
+    return Row.timed(what, paired(ours, theirs, 3), 1e3 / len(dataset), "ms", "at most 1")
 
 
 def _starts(root: Path) -> Iterator[Row]:
@@ -135,7 +135,9 @@ def _starts(root: Path) -> Iterator[Row]:
         times = paired(
             _anew(root / "out", ours), lambda: _python("-c", "import lerobot.datasets"), 2
         )
-        yield _row(f"{name} as a command, and `import lerobot.datasets`", times, 1, "s", "below 1")
+        yield Row.timed(
+            f"{name} as a command, and `import lerobot.datasets`", times, 1, "s", "below 1"
+        )
 
 
 def _write(path: Path, drives: Sequence[Episode], purpose: str) -> Dataset:
@@ -169,11 +171,6 @@ def _anew(path: Path, write: Callable[[Path], object]) -> Callable[[], None]:
 
 def _python(*words: str, cwd: Path | None = None) -> None:
     subprocess.run([sys.executable, *words], cwd=cwd, check=True, capture_output=True)
-
-
-def _row(what: str, times: tuple[float, float, float], scale: float, unit: str, target: str) -> Row:
-    ours, floor, ratio = times
-    return Row(what, ours * scale, floor * scale, unit, ratio, target)
 
 
 if __name__ == "__main__":

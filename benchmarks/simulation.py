@@ -54,17 +54,15 @@ def closed_loop(traffic: int, channels: int, which: str) -> Row:
     """A frame of an evaluation, beside placing the cars, the camera and the networks alone."""
     driver, trial = _driver(channels), _trial(traffic)
     states = _states(trial.plan)
-    ours, floor, ratio = paired(
+    times = paired(
         partial(_work, evaluate, [(trial, driver)]),
         partial(_work, _see_and_act, [(states, driver)]),
     )
-    per_frame = 1e3 / len(states)
-    return Row(
+    return Row.timed(
         f"closed loop, {which}, against camera and networks alone",
-        ours * per_frame,
-        floor * per_frame,
+        times,
+        1e3 / len(states),
         "ms a frame",
-        ratio,
         f"at most {1 / 0.85:.2f}",
     )
 
@@ -72,17 +70,11 @@ def closed_loop(traffic: int, channels: int, which: str) -> Row:
 def traffic_step(traffic: int) -> Row:
     """A frame's three control steps of all cars, each with the reference, beside the camera."""
     states = _states(_trial(traffic).plan)
-    ours, floor, ratio = paired(
+    times = paired(
         partial(_work, _move_on, [(states,)]), partial(_work, _see_and_act, [(states, None)])
     )
-    per_frame = 1e3 / len(states)
-    return Row(
-        f"traffic, {traffic} cars and three steps a frame, against the camera alone",
-        ours * per_frame,
-        floor * per_frame,
-        "ms a frame",
-        ratio,
-    )
+    what = f"traffic, {traffic} cars and three steps a frame, against the camera alone"
+    return Row.timed(what, times, 1e3 / len(states), "ms a frame")
 
 
 def new_drive() -> Row:

@@ -4,6 +4,7 @@ from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from statistics import median
 from time import perf_counter
+from typing import Self
 
 
 @dataclass(frozen=True)
@@ -20,6 +21,14 @@ class Row:
     """of ours to the floor"""
     target: str = ""
     """of the ratio, such as "at most 3"; empty where there is none"""
+
+    @classmethod
+    def timed(
+        cls, what: str, times: tuple[float, float, float], scale: float, unit: str, target: str = ""
+    ) -> Self:
+        """Of what `paired` gives, its seconds times `scale`."""
+        ours, floor, ratio = times
+        return cls(what, ours * scale, floor * scale, unit, ratio, target)
 
 
 def paired(
