@@ -129,8 +129,10 @@ def test_the_demo_films_and_records_a_drive(
     recipe = subprocess.run(make, cwd=ROOT, check=True, capture_output=True, text=True).stdout
     monkeypatch.chdir(tmp_path)
     Path("examples").symlink_to(ROOT / "examples")
-    for line in recipe.splitlines()[1:]:
-        typed(*shlex.split(line), "--laps", "0.1")
+    # Beneath another make, as in `make test`, more is printed than the recipe.
+    for line in recipe.splitlines():
+        if line.startswith("safedagger "):
+            typed(*shlex.split(line), "--laps", "0.1")
     assert {path.name for path in tmp_path.iterdir()} == {"examples", "demo.gif", "demo.rrd"}
     assert capsys.readouterr().out.count("ended: laps done") == 3
 
