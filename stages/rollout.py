@@ -24,7 +24,8 @@ def rollout(
     output: options.Output,
     task: "Task",
     queries: Annotated[
-        int, typer.Option(min=1, help="Stop when the reference has been asked so often ...")
+        int,
+        typer.Option(min=1, help="Stop when the reference has been asked so often, audits too ..."),
     ] = 3000,
     frames: Annotated[
         int, typer.Option(min=1, help="... or so many frames have been driven.")
@@ -36,6 +37,15 @@ def rollout(
     seed: options.Seed = 0,
     workers: options.Workers = None,
     cut: options.Cut = None,
+    audit: Annotated[
+        float | None,
+        typer.Option(
+            min=0,
+            max=1,
+            help="Ask about this share of the frames that the primary drives, whatever the safety "
+            "policy says of them; the primary drives them nevertheless; 0.",
+        ),
+    ] = None,
     hold: options.Hold = None,
     device: options.Device = "cpu",
 ) -> None:
@@ -54,6 +64,7 @@ def rollout(
     from pipeline.rollout.judgement import Judgement, rule_of
     from pipeline.rollout.plans import SEED_STREAMS
     from pipeline.rollout.recording import record_all, until_queries
+    from pipeline.rollout.rules.audit import Audit
     from pipeline.rollout.strategies import Strategy
 
     check_place(metrics)
@@ -61,7 +72,7 @@ def rollout(
     judgement = Judgement.read(safety, cut)
     drives = record_all(
         task,
-        rule_of(Strategy.SAFE, judgement),
+        Audit(rule_of(Strategy.SAFE, judgement), audit or 0.0),
         Driver.load(primary, safety, hold=hold or 1, device=computes),
         count(),
         seed=(seed, SEED_STREAMS["rollout"] + iteration),

@@ -15,6 +15,7 @@ from pipeline.policies.inference import Driver
 from pipeline.policies.network import SafetyNetwork
 from pipeline.rollout.plans import Plan
 from pipeline.rollout.recording import Recording, record, record_all, until_queries
+from pipeline.rollout.rules.audit import Audit
 from pipeline.rollout.rules.mixture import Mixture
 from pipeline.rollout.rules.naive import Naive
 from pipeline.rollout.rules.reference import Reference
@@ -175,6 +176,18 @@ def test_a_mixture_asks_about_every_frame_and_drives_some(beta: float) -> None:
     assert not np.isnan(columns["deviation"]).any()
     share = columns["intervention"].mean()
     assert share == beta if beta in (0.0, 1.0) else 0 < share < 1
+
+
+def test_an_audit_labels_and_counts_what_the_primary_drives_on_undisturbed() -> None:
+    alone, audited = (
+        record(replace(PLAN, rule=Audit(Safe(0.0), share)), driver(), 1, 0) for share in (0.0, 1.0)
+    )
+    columns = audited.episode.columns
+    assert (alone.queries, audited.queries) == (0, len(audited.episode))
+    assert np.array_equal(columns["action"], audited.reference_actions)
+    assert not columns["intervention"].any() and not np.isnan(columns["deviation"]).any()
+    for name in ("primary_action", "vehicle_state", CAMERA):
+        assert np.array_equal(columns[name], alone.episode.columns[name]), name
 
 
 @pytest.mark.parametrize(

@@ -7,6 +7,7 @@ from hypothesis import strategies as st
 
 from pipeline.data.schema import Asked
 from pipeline.rollout.judgement import Judgement
+from pipeline.rollout.rules.audit import Audit
 from pipeline.rollout.rules.mixture import Mixture
 from pipeline.rollout.rules.naive import Naive
 from pipeline.rollout.rules.optimal import Optimal
@@ -88,12 +89,54 @@ def test_a_mixture_without_beta_is_naive_and_with_all_of_it_the_reference() -> N
     assert all(decide(Mixture(1.0)).reference_drives for _ in range(9))
 
 
+def audited(rule: Rule, share: float, probabilities: list[float]) -> list[Decision]:
+    """A drive in which it is audited."""
+    rule = Audit(rule, share)
+    rule.begin(np.random.default_rng(3))
+    return [decide(rule, each) for each in probabilities]
+
+
+@given(shares, st.lists(known, max_size=20), shares)
+def test_who_is_audited_drives_as_nobody_looked(
+    cut: float, probabilities: list[float], share: float
+) -> None:
+    """And where the reference drives, it is asked already."""
+    alone = [decide(Safe(cut), each) for each in probabilities]
+    for decision, without in zip(audited(Safe(cut), share, probabilities), alone, strict=True):
+        assert decision.reference_drives == without.reference_drives
+        if decision.reference_drives:
+            assert decision == without
+        else:
+            assert decision.asked in (Asked.NOT, Asked.AUDIT) and decision.ask_probability == share
+
+
+def test_a_random_share_of_what_the_primary_drives_is_audited_whatever_is_said_of_it() -> None:
+    said = [0.6, 0.9] * 10_000
+    asked = np.array([each.asked is Asked.AUDIT for each in audited(Safe(0.5), 0.1, said)])
+    assert [asked[n::2].mean() for n in (0, 1)] == pytest.approx([0.1, 0.1], abs=0.01)
+    assert audited(Safe(0.5), 0, said) == [decide(Safe(0.5), each) for each in said]
+    assert {each.asked for each in audited(Safe(0.5), 1, said)} == {Asked.AUDIT}
+
+
+def test_chance_beneath_an_audit_is_what_it_is_without() -> None:
+    class Coin(Mixture):
+        def decide(self, signals: Signals) -> Decision:
+            drove = super().decide(signals).reference_drives
+            return decide(Reference() if drove else Naive())
+
+    alone = Coin(0.5)
+    alone.begin(np.random.default_rng(3))
+    drove = [decide(alone).reference_drives for _ in range(30)]
+    assert [each.reference_drives for each in audited(Coin(0.5), 0.5, [0.0] * 30)] == drove
+
+
 @pytest.mark.parametrize(
     ("make", "named"),
     [
         (lambda: Safe(1.1), "cut"),
         (lambda: Optimal(-1.0, STEERING), "tau"),
         (lambda: Mixture(math.nan), "beta"),
+        (lambda: Audit(Safe(0.5), 1.1), "audit"),
     ],
 )
 def test_numbers_out_of_range_are_refused(make: object, named: str) -> None:

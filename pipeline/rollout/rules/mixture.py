@@ -1,7 +1,6 @@
 """DAgger's: beta pi* + (1 - beta) pi_{i-1}, and every frame is labelled (Sec. 2.6)."""
 
 from dataclasses import dataclass, field
-from typing import ClassVar
 
 import numpy as np
 
@@ -17,7 +16,7 @@ class Mixture(Rule):
         ValueError: a number is out of its range.
     """
 
-    name: ClassVar[str] = "mixture"
+    name = "mixture"
 
     beta: float
     """[0, 1]"""

@@ -1,7 +1,6 @@
 """The primary always drives (Sec. 2.5)."""
 
 from dataclasses import dataclass
-from typing import ClassVar
 
 from pipeline.rollout.rules.rule import NOT_ASKED, Decision, Rule, Signals
 
@@ -10,7 +9,7 @@ from pipeline.rollout.rules.rule import NOT_ASKED, Decision, Rule, Signals
 class Naive(Rule):
     """The primary always drives, and nobody is asked."""
 
-    name: ClassVar[str] = "naive"
+    name = "naive"
 
     def decide(self, signals: Signals) -> Decision:
         """It does."""

@@ -2,7 +2,6 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import ClassVar
 
 from numpy.typing import NDArray
 
@@ -17,8 +16,8 @@ class Optimal(Rule):
         ValueError: a number is out of its range.
     """
 
-    name: ClassVar[str] = "optimal"
-    looks_up: ClassVar[bool] = True
+    name = "optimal"
+    looks_up = True
 
     tau: float
     """>= 0"""

@@ -1,7 +1,6 @@
 """The reference always drives: how D_0 and D_safe are collected (Algorithm 1, lines 1 and 2)."""
 
 from dataclasses import dataclass
-from typing import ClassVar
 
 from pipeline.rollout.rules.rule import DROVE, Decision, Rule, Signals
 
@@ -10,7 +9,7 @@ from pipeline.rollout.rules.rule import DROVE, Decision, Rule, Signals
 class Reference(Rule):
     """The reference always drives."""
 
-    name: ClassVar[str] = "reference"
+    name = "reference"
 
     def decide(self, signals: Signals) -> Decision:
         """It does."""

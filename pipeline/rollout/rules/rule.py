@@ -3,7 +3,6 @@
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -56,8 +55,8 @@ NOT_ASKED = Decision(False, Asked.NOT, 0.0)
 class Rule(ABC):
     """Decides frame by frame. It may remember what it likes of one drive."""
 
-    name: ClassVar[str]
-    looks_up: ClassVar[bool] = False
+    name: str
+    looks_up: bool = False
     """whether it must see the reference's action before it decides: that is no rule to live by, but
     one to compare with, and counted apart"""
 

@@ -4,7 +4,6 @@
 
 import math
 from dataclasses import dataclass
-from typing import ClassVar
 
 from pipeline.rollout.rules.rule import DROVE, NOT_ASKED, Decision, Rule, Signals, check_number
 
@@ -17,7 +16,7 @@ class Safe(Rule):
         ValueError: a number is out of its range.
     """
 
-    name: ClassVar[str] = "safe"
+    name = "safe"
 
     cut: float
     """[0, 1]"""
