@@ -53,7 +53,9 @@ def rollout(
     import numpy as np
 
     from pipeline.data.lineage import Recipe
+    from pipeline.data.schema import Asked
     from pipeline.evaluation.writing import write_rows
+    from pipeline.learning.audits import estimated_recall
     from pipeline.learning.labels import LabelRule
     from pipeline.learning.quality import detection_quality
     from pipeline.metric import QUALITY
@@ -81,21 +83,19 @@ def rollout(
     )
     labels = read_labels(safety)
     held_against = LabelRule.of(labels)
-    probabilities: list[np.ndarray] = []
-    deviations: list[np.ndarray] = []
+    met: list[tuple[np.ndarray, ...]] = []
 
     def judged() -> Iterator["Recording"]:
         for recording in until_queries(drives, queries, frames):
             columns = recording.episode.columns
-            probabilities.append(columns["safe_probability"][:, 0])
-            deviations.append(
-                held_against.deviation(
-                    columns["primary_action"],
-                    recording.reference_actions,
-                    columns["source.episode"][:, 0],
-                    task.fps,
-                )
+            deviation = held_against.deviation(
+                columns["primary_action"],
+                recording.reference_actions,
+                columns["source.episode"][:, 0],
+                task.fps,
             )
+            why = columns["asked_because"][:, 0]
+            met.append((columns["safe_probability"][:, 0], deviation, why))
             yield recording
 
     # the labels too: whoever looks at the rollout later has no safety policy at hand
@@ -111,9 +111,14 @@ def rollout(
         count=lambda drive: drive.queries,
     )
     tau = labels["tau"]
-    quality = detection_quality(
-        np.concatenate(probabilities), np.concatenate(deviations), tau, judgement.cut
-    )
+    probability, deviation, why = (np.concatenate(parts) for parts in zip(*met, strict=True))
+    quality = detection_quality(probability, deviation, tau, judgement.cut)
+    estimated = {}
+    if audit and not labels["horizon"]:  # labels that look ahead need frames that nobody was asked
+        known = np.where(why != Asked.NOT, deviation, np.nan)
+        called = ~(probability >= judgement.cut)
+        estimated = estimated_recall(known, called, why == Asked.AUDIT, audit, tau)
     if metrics:
-        write_rows(metrics, {"tau": tau, **quality}, QUALITY)
-    typer.echo(f"{summary}; {options.figures(quality)}")
+        write_rows(metrics, {"tau": tau, **quality, **estimated}, QUALITY)
+    both = [quality, estimated] if estimated else [quality]
+    typer.echo("; ".join([summary, *map(options.figures, both)]))

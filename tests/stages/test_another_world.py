@@ -8,6 +8,7 @@ import pytest
 
 from pipeline.data.dataset import Dataset
 from pipeline.data.images import read_all
+from pipeline.data.schema import Asked
 from pipeline.policies.inference import propose
 from pipeline.policies.loading import load_primary
 from tests.command import run
@@ -78,6 +79,10 @@ LOOP: list[tuple[object, ...]] = [
         *("--share", "0.7", "--figure", "errors.png", "--metrics", "errors.json"),
     ),
     ("inspect", "rollout_1", "--save", "rollout_1.rrd"),
+    (
+        *("rollout", "primary_1", "safety_1", "rollout_2", *TASK, "--queries", "40"),
+        *("--iteration", "2", "--workers", "1", "--audit", "1", "--metrics", "rollout_2.json"),
+    ),
 ]
 
 
@@ -118,6 +123,17 @@ def test_what_was_asked_is_what_was_selected_merged_and_counted(house: Path) -> 
     asked = driven.column("queried")
     np.testing.assert_allclose(deviation[asked], apart[asked], rtol=1e-5)
     assert np.isnan(deviation[~asked]).all()
+
+
+def test_audits_are_queries_and_tell_what_looking_up_tells(house: Path) -> None:
+    driven = Dataset.open(house / "rollout_2")
+    assert driven.column("queried").all() and len(driven) == 40
+    assert set(driven.column("asked_because")[~driven.column("intervention")]) == {Asked.AUDIT}
+    (found,) = json.loads((house / "rollout_2.json").read_text())["rows"]
+    assert found["audits"] == (~driven.column("intervention")).sum() > 0
+    assert found["recall"] == found["estimated_recall"] is not None
+    (unaudited,) = json.loads((house / "rollout_1.json").read_text())["rows"]
+    assert "audits" not in unaudited
 
 
 def test_the_safety_policy_was_judged_by_the_measure_that_was_named(house: Path) -> None:
