@@ -1,4 +1,6 @@
-"""Line 7 of Algorithm 1: keep of D' what the reference was asked about."""
+"""Line 7 of Algorithm 1: keep of D' what the reference drove."""
+
+from typing import Annotated, Literal
 
 import typer
 
@@ -8,15 +10,34 @@ app = typer.Typer()
 
 
 @app.command()
-def select(raw: options.Dataset, output: options.Output) -> None:
-    """Select what the reference was asked about (line 7)."""
+def select(
+    raw: options.Dataset,
+    output: options.Output,
+    because: Annotated[
+        Literal["drove", "audit", "mixture", "afterwards"],
+        typer.Option(
+            help="Why the reference was asked: what it drove is for the primary; audits are for the "
+            "safety policy (train-safety --audits)."
+        ),
+    ] = "drove",
+) -> None:
+    """Select what the reference drove (line 7).
+
+    Or, apart, what it was asked about for another reason.
+    """
     from pipeline.data.dataset import Dataset
+    from pipeline.data.schema import Asked
     from pipeline.data.selecting import select as keep_asked
 
     dataset = Dataset.open(raw)
-    summary = keep_asked(dataset, output)
+    summary = keep_asked(dataset, output, Asked[because.upper()])
     if not dataset.has("queried"):
         typer.echo(f"{raw}: nobody wrote down what was queried, intervention stands for it")
+    others = int(dataset.column("queried").sum()) - summary.frames
+    if others:
+        typer.echo(f"{raw}: {others} frames that were asked about for another reason are left out")
     if summary.frames == 0:
-        typer.echo(f"{raw}: the reference was asked nothing, so there is nothing to learn from it")
+        typer.echo(
+            f"{raw}: the reference was asked nothing so, and there is nothing to learn from it"
+        )
     typer.echo(summary)

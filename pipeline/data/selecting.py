@@ -1,5 +1,6 @@
-"""What an iteration keeps of its drives: what the reference was asked about (Algorithm 1, line 7),
-or, for DAgger, a uniform sample of it (Sec. 4.2). Each run of neighbours is an episode.
+"""What an iteration keeps of its drives: what the reference drove (Algorithm 1, line 7), or, for
+DAgger, a uniform sample of all that it was asked about (Sec. 4.2). Each run of neighbours is an
+episode.
 """
 
 from pathlib import Path
@@ -10,14 +11,17 @@ from pipeline.data.assembling import assemble
 from pipeline.data.dataset import Dataset
 from pipeline.data.lineage import Recipe
 from pipeline.data.pieces import chosen
+from pipeline.data.schema import Asked
 from pipeline.data.writing import Summary
 from pipeline.output import new_directory
 
 
-def select(dataset: Dataset, output: Path) -> Summary:
-    """Write the rows that cost a query as the dataset `output`; there may be none.
+def select(dataset: Dataset, output: Path, because: Asked = Asked.DROVE) -> Summary:
+    """Write the rows for which the reference was asked `because`, as the dataset `output`; there may
+    be none.
 
-    Where nobody wrote down what was `queried`, it is what the reference drove: `intervention`.
+    Where nobody wrote down what was `queried`, it is what the reference drove: `intervention`; and
+    where nobody wrote down why, it drove.
 
     Raises:
         FileExistsError: `output` exists.
@@ -28,7 +32,9 @@ def select(dataset: Dataset, output: Path) -> Summary:
             f"{dataset.path}: has neither a column 'queried' nor 'intervention', "
             "expected one that tells which frames the reference was asked about"
         )
-    return _keep(dataset, dataset.column("queried"), output, Recipe("select", {}))
+    told = {} if because is Asked.DROVE else {"because": because.name.lower()}
+    rows = dataset.column("queried") & (dataset.column("asked_because") == because)
+    return _keep(dataset, rows, output, Recipe("select", told))
 
 
 def sample(dataset: Dataset, output: Path, frames: int, seed: int) -> Summary:

@@ -11,7 +11,7 @@ from pipeline.data.blocks import GROUP, row_groups
 from pipeline.data.dataset import Dataset
 from pipeline.data.images import read_episodes
 from pipeline.data.pieces import chosen, runs
-from pipeline.data.schema import Episode
+from pipeline.data.schema import Asked, Episode
 from pipeline.data.selecting import sample, select
 from pipeline.data.stored import pngs
 from pipeline.driving.features import CAMERA, FEATURES
@@ -58,15 +58,20 @@ def test_selection_keeps_what_was_asked_as_it_was(
     assert set(new.column("source.dataset").tolist()) == {rollout_1.lineage.id}
 
 
-def test_what_was_asked_is_kept_whoever_drove(tmp_path: Path) -> None:
-    """An audit is a label that was paid for, though the primary drove."""
+def test_what_was_audited_is_selected_apart(tmp_path: Path) -> None:
+    """A label that was paid for, though the primary drove: no D_i has it."""
     drive = random_episode(np.random.default_rng(0), 8)
-    drive.columns["intervention"][:, 0] = [0, 1, 0, 0, 0, 0, 1, 0]
-    drive.columns["queried"][:, 0] = [0, 1, 1, 0, 1, 0, 1, 0]
-    select(write(tmp_path / "rollout", [drive]), tmp_path / "new")
-    new = Dataset.open(tmp_path / "new")
-    assert new.column("source.frame").tolist() == [1, 2, 4, 6]
-    assert new.column("intervention").tolist() == [True, False, False, True]
+    why = np.array([-1, 0, 1, -1, 1, -1, 0, 2])
+    drive.columns["asked_because"][:, 0] = why
+    drive.columns["queried"][:, 0] = why != Asked.NOT
+    drive.columns["intervention"][:, 0] = why == Asked.DROVE
+    rollout = write(tmp_path / "rollout", [drive])
+    for because, frames in ((Asked.DROVE, [1, 6]), (Asked.AUDIT, [2, 4]), (Asked.MIXTURE, [7])):
+        select(rollout, tmp_path / because.name, because)
+        new = Dataset.open(tmp_path / because.name)
+        assert new.column("source.frame").tolist() == frames
+        assert new.column("queried").all()
+    assert new.lineage.own.arguments == {"because": "mixture"}
 
 
 def test_pictures_pass_through_unseen(rollout_1: Dataset, tmp_path: Path) -> None:
