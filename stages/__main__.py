@@ -30,6 +30,7 @@ from stages import (
     runs,
     sample,
     select,
+    split,
     train_primary,
     train_safety,
     watch,
@@ -38,6 +39,7 @@ from stages import (
 STAGES = (
     plan,
     collect,
+    split,
     train_primary,
     train_safety,
     rollout,

@@ -165,7 +165,7 @@ def _parameter(name: str, annotation: Any, default: Any) -> inspect.Parameter:
     """A parameter of a command. Paths without dashes are looked at before anything is imported."""
     for told in getattr(annotation, "__metadata__", ()):
         if isinstance(told, ArgumentInfo):
-            if name == "output":
+            if name in ("output", "aside"):
                 told.callback = _free
             else:
                 told.exists = True
@@ -184,7 +184,9 @@ def arguments(context: typer.Context) -> dict[str, Any]:
         # JSON knows no infinity: no limit at all
         name: str(value) if isinstance(value, StrEnum) or value == math.inf else value
         for name, value in context.params.items()
-        if value is not None and not isinstance(value, Path) and name not in ("workers", "device")
+        if value is not None
+        and not isinstance(value, Path | list | tuple)
+        and name not in ("workers", "device")
     }
 
 

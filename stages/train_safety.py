@@ -15,10 +15,20 @@ app = typer.Typer()
 def train_safety(
     context: typer.Context,
     primary: options.Primary,
-    d_safe: Annotated[Path, typer.Argument(help="D_safe: no primary was trained on it.")],
+    d_safe: Annotated[
+        Path,
+        typer.Argument(help="D_safe, or what `split` set aside: no primary was trained on it."),
+    ],
     dataset: Annotated[Path, typer.Argument(help="D_i: this primary was trained on it.")],
     output: options.Output,
     settings: SafetySettings,
+    audits: Annotated[
+        list[Path] | None,
+        typer.Option(
+            help="What `select --because audit` kept of a rollout, to learn from as well: each frame "
+            "counts for as many as it stands for. Can be given several times."
+        ),
+    ] = None,
     metrics: options.MetricsIfAny = None,
     curve: options.Curve = None,
     features_of: Annotated[
@@ -35,6 +45,7 @@ def train_safety(
     """
     from dataclasses import replace
     from functools import partial
+    from itertools import combinations
 
     import numpy as np
 
@@ -59,6 +70,7 @@ def train_safety(
     network = load_primary(primary, features_of, computes)
     settings = replace(settings, measure=settings.measure or network.measure)
     safe_data, own_data = Dataset.open(d_safe), Dataset.open(dataset)
+    audited = [Dataset.open(path) for path in audits or ()]
     config = SafetyConfig(
         primary_sha256=weights_sha256(primary),
         features_of=features_of,
@@ -67,12 +79,16 @@ def train_safety(
         **settings.kept,
     )
     with new_directory(output) as folder:
-        refuse_shared(own_data, safe_data)
+        for one, another in combinations([own_data, safe_data, *audited], 2):
+            refuse_shared(one, another)
         judged = partial(judge, network, rule=LabelRule.of(vars(config)))
         unseen = judged(safe_data)
         rng = np.random.default_rng(settings.seed)
         kept = held_out_episodes(unseen, settings.held_out, rng)
         shown = unseen.only(~kept) + judged(own_data)
+        for each in audited:
+            if len(each):
+                shown += judged(each)
         safe = safe_labels(shown.deviation, settings.tau)
         if len(np.unique(safe)) == 1:
             kind = "safe" if safe[0] else "unsafe"
@@ -83,11 +99,13 @@ def train_safety(
                 safe,
                 shown.episode_index,
                 settings,
+                weight=shown.weight,
                 device=computes,
                 on_epoch=on_epoch,
             )
         SafetyPolicy(config, safety).save_pretrained(folder)
-        parents = [policy_lineage(primary), safe_data.lineage, own_data.lineage]
+        data = [safe_data, own_data, *audited]
+        parents = [policy_lineage(primary), *(each.lineage for each in data)]
         arguments = options.arguments(context) | {"measure": settings.measure}
         recipe = Recipe("safety", arguments, parents)
         recipe.lineage(weights_sha256(folder)).write(folder)

@@ -1,6 +1,6 @@
 """What an iteration keeps of its drives: what the reference drove (Algorithm 1, line 7), or, for
-DAgger, a uniform sample of all that it was asked about (Sec. 4.2). Each run of neighbours is an
-episode.
+DAgger, a uniform sample of all that it was asked about (Sec. 4.2); or what is set aside of D_0. Each
+run of neighbours is an episode.
 """
 
 from pathlib import Path
@@ -49,6 +49,31 @@ def sample(dataset: Dataset, output: Path, frames: int, seed: int) -> Summary:
     rows = np.zeros(len(dataset), bool)
     rows[np.random.default_rng(seed).choice(len(dataset), frames, replace=False)] = True
     return _keep(dataset, rows, output, Recipe("sample", {"frames": frames, "seed": seed}))
+
+
+def split(
+    dataset: Dataset, output: Path, aside: Path, share: float, seed: int
+) -> tuple[Summary, Summary]:
+    """Write a random `share` of the episodes as the dataset `aside`, the others as `output`.
+
+    Raises:
+        FileExistsError: one of the two exists.
+        ValueError: the share leaves no episodes on either side.
+    """
+    episodes = len(dataset.lengths)
+    count = round(share * episodes)
+    if not 0 < count < episodes:
+        raise ValueError(
+            f"share is {share} of the {episodes} episodes of {dataset.path}, "
+            "expected some on both sides"
+        )
+    drawn = np.random.default_rng(seed).choice(episodes, count, replace=False)
+    rows = np.isin(dataset.episode_index, drawn)
+    told = {"share": share, "seed": seed}
+    return (
+        _keep(dataset, ~rows, output, Recipe("split", told | {"part": "the others"})),
+        _keep(dataset, rows, aside, Recipe("split", told | {"part": "set aside"})),
+    )
 
 
 def _keep(dataset: Dataset, rows: np.ndarray, output: Path, recipe: Recipe) -> Summary:

@@ -16,6 +16,11 @@ from pipeline.learning.labels import LabelRule
 from pipeline.policies.inference import propose
 from pipeline.policies.network import Actor
 
+MOST = 10.0
+"""What a frame counts for in training at most: one that was audited stands for 1 / `ask_probability`,
+and few that stand for very many would be all that is learned.
+"""
+
 
 @dataclass(frozen=True)
 class Judged:
@@ -27,6 +32,8 @@ class Judged:
     """[N], what Eq. 2 compares with tau"""
     episode_index: NDArray[np.int64]
     """[N]"""
+    weight: NDArray[np.float64]
+    """[N], [1, MOST]: for how many frames that were driven it stands"""
 
     def __add__(self, other: Judged) -> Judged:
         """The frames of both, the other's episodes numbered on."""
@@ -35,11 +42,12 @@ class Judged:
             np.concatenate([self.features, other.features]),
             np.concatenate([self.deviation, other.deviation]),
             np.concatenate([self.episode_index, other.episode_index + first]),
+            np.concatenate([self.weight, other.weight]),
         )
 
     def only(self, rows: NDArray[np.bool_]) -> Judged:
         """The frames where `rows` [N] is true."""
-        return Judged(self.features[rows], self.deviation[rows], self.episode_index[rows])
+        return Judged(*(column[rows] for column in vars(self).values()))
 
 
 def judge(primary: Actor, dataset: Dataset, *, rule: LabelRule) -> Judged:
@@ -59,7 +67,8 @@ def judge(primary: Actor, dataset: Dataset, *, rule: LabelRule) -> Judged:
     actions = columns["action"]
     proposed, features = propose(primary, columns)
     epsilon = rule.deviation(proposed, actions, dataset.episode_index, dataset.fps)
-    return Judged(features, epsilon, dataset.episode_index)
+    asked = np.nan_to_num(dataset.column("ask_probability").astype(float), nan=1.0)
+    return Judged(features, epsilon, dataset.episode_index, 1 / asked.clip(1 / MOST))
 
 
 def held_out_episodes(judged: Judged, share: float, rng: np.random.Generator) -> NDArray[np.bool_]:

@@ -118,6 +118,7 @@ def train_safety(
     episode_index: np.ndarray,
     settings: SafetySettings,
     *,
+    weight: np.ndarray | None = None,
     device: torch.device = CPU,
     on_epoch: OnEpoch | None = None,
 ) -> tuple[SafetyNetwork, Metrics]:
@@ -128,6 +129,7 @@ def train_safety(
         safe: bool [N], Eq. 2: True where the primary deviates by no more than the threshold.
         episode_index: int [N]; frames of the same one are held out together.
         settings: see `SafetySettings`.
+        weight: float [N], above 0, for how many frames each counts; 1 for each where None.
         device: as for `train_primary`.
         on_epoch: told the metrics after each epoch.
 
@@ -139,23 +141,26 @@ def train_safety(
     Raises:
         ValueError: arrays of the wrong shape, type or length.
     """
+    weight = np.ones(len(safe)) if weight is None else weight
     _check_rows(
         features=(features, np.floating, features.shape[-1:]),
         safe=(safe, np.bool_, ()),
         episode_index=(episode_index, np.integer, ()),
+        weight=(weight, np.floating, ()),
     )
     generator = torch.Generator().manual_seed(settings.seed)
     rng = np.random.default_rng(settings.seed)
     rows, held_out = split_episodes(episode_index, settings.validation, rng)
     network = SafetyNetwork(features.shape[1], settings.hidden, generator=generator)
     network.to(device)
-    weights = class_weights(safe[rows], settings.balance).to(device)
+    counts = torch.from_numpy(weight / weight[rows].mean()).float().to(device)
+    weights = class_weights(safe[rows], settings.balance, weight[rows]).to(device)
 
     def loss_of(numbers: np.ndarray) -> Tensor:
         seen = torch.from_numpy(features[numbers]).to(device)
         labels = torch.from_numpy(safe[numbers]).long().to(device)
         each = F.cross_entropy(network(seen), labels, reduction="none")
-        return (each * weights[labels]).mean()
+        return (each * weights[labels] * counts[numbers]).mean()
 
     @torch.inference_mode()
     def validate() -> Metrics:
@@ -186,7 +191,7 @@ def safe_probabilities(network: SafetyNetwork, features: np.ndarray) -> np.ndarr
     return probabilities
 
 
-def class_weights(safe: np.ndarray, balance: float) -> Tensor:
+def class_weights(safe: np.ndarray, balance: float, weight: np.ndarray | None = None) -> Tensor:
     """Weights float32 [2] of unsafe (index 0) and safe frames, 1 on average over the frames.
 
     A class counts in inverse proportion to its share raised to `balance`: 0 counts each frame
@@ -195,8 +200,9 @@ def class_weights(safe: np.ndarray, balance: float) -> Tensor:
     Args:
         safe: bool [N].
         balance: [0, 1].
+        weight: [N], as for `train_safety`.
     """
-    shares = np.array([np.mean(~safe), np.mean(safe)])
+    shares = np.average([~safe, safe], axis=1, weights=weight)
     if 0 in shares:
         return torch.ones(2)
     weights = shares**-balance

@@ -12,7 +12,7 @@ from pipeline.data.dataset import Dataset
 from pipeline.data.images import read_episodes
 from pipeline.data.pieces import chosen, runs
 from pipeline.data.schema import Asked, Episode
-from pipeline.data.selecting import sample, select
+from pipeline.data.selecting import sample, select, split
 from pipeline.data.stored import pngs
 from pipeline.driving.features import CAMERA, FEATURES
 from tests.data.spoiling import copy, drop_column, set_last_image
@@ -173,3 +173,19 @@ def test_a_sample_is_no_larger_than_the_dataset(
     with pytest.raises(ValueError, match=f"frames is {frames}, expected 1 to the 10 of"):
         sample(rollout_1, tmp_path / "new", frames, seed=0)
     assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize(("share", "count"), [(0.5, 2), (0.2, 1)])
+def test_whole_episodes_are_set_aside(tmp_path: Path, share: float, count: int) -> None:
+    rng = np.random.default_rng(0)
+    episodes = [random_episode(rng, 2 + n, episode=n, reference_only=True) for n in range(4)]
+    d_0 = write(tmp_path / "D_0", episodes)
+    for seed in (0, 1, 0):
+        names = [f"{part}{len(list(tmp_path.iterdir()))}" for part in ("rest", "aside")]
+        split(d_0, *(tmp_path / name for name in names), share, seed)
+        rest, aside = (Dataset.open(tmp_path / name) for name in names)
+        assert len(aside.lengths) == count
+        numbers = [set(part.column("source.episode").tolist()) for part in (rest, aside)]
+        assert sorted([*numbers[0], *numbers[1]]) == [0, 1, 2, 3]
+        assert len(rest) + len(aside) == len(d_0)
+    assert aside.lineage.own.arguments["part"] == "set aside"

@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 
 from pipeline.driving.network import PrimaryNetwork
 from pipeline.learning.labels import LabelRule
-from pipeline.learning.safety import Judged, held_out_episodes, judge
+from pipeline.learning.safety import MOST, Judged, held_out_episodes, judge
 from tests.episodes import random_episode, write
 
 RULE = LabelRule(measure="steering", horizon=0.0, mode="last")
@@ -16,7 +16,8 @@ RULE = LabelRule(measure="steering", horizon=0.0, mode="last")
 
 def judged(lengths: list[int]) -> Judged:
     index = np.repeat(np.arange(len(lengths)), lengths)
-    return Judged(np.zeros((len(index), 2), np.float16), np.zeros(len(index), np.float32), index)
+    rows = len(index)
+    return Judged(np.zeros((rows, 2), np.float16), np.zeros(rows, "f4"), index, np.ones(rows))
 
 
 def test_a_dataset_is_judged_frame_by_frame(tmp_path: Path) -> None:
@@ -59,6 +60,17 @@ def test_frames_without_a_label_are_refused(tmp_path: Path) -> None:
         judge(PrimaryNetwork(2), dataset, rule=RULE)
 
 
+def test_an_audited_frame_stands_for_those_that_were_not_but_not_for_too_many(
+    tmp_path: Path,
+) -> None:
+    """And one that somebody labelled, who knows with which probability, for itself."""
+    episode = random_episode(np.random.default_rng(0), 4, reference_only=True)
+    episode.columns["ask_probability"][:, 0] = [1, 0.25, 0.01, np.nan]
+    dataset = write(tmp_path / "D", [episode])
+    weight = judge(PrimaryNetwork(2), dataset, rule=RULE).weight
+    assert weight.tolist() == [1, 4, MOST, 1]
+
+
 @given(st.lists(st.integers(1, 5), min_size=2, max_size=20), st.floats(0, 1), st.integers(0, 99))
 def test_episodes_are_held_out_whole(lengths: list[int], share: float, seed: int) -> None:
     frames = judged(lengths)
@@ -75,4 +87,5 @@ def test_episodes_are_held_out_whole(lengths: list[int], share: float, seed: int
 
 def test_episodes_of_two_sets_stay_apart() -> None:
     both = judged([2, 1]) + judged([3])
+    assert len(both.weight) == 6
     assert both.episode_index.tolist() == [0, 0, 1, 2, 2, 2]

@@ -185,9 +185,12 @@ def overlapping() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     return features.astype(np.float16), safe_labels(epsilon, 0.0025), np.arange(2000) // 50
 
 
-def recall(overlapping, balance: float) -> float:
+def recall(overlapping, balance: float, unsafe_counts: float = 1) -> float:
     features, safe, episodes = overlapping
-    network, _ = train_safety(features, safe, episodes, safety_settings(balance=balance))
+    weight = np.where(safe, 1.0, unsafe_counts)
+    network, _ = train_safety(
+        features, safe, episodes, safety_settings(balance=balance), weight=weight
+    )
     safe_probability = safe_probabilities(network, features)
     assert (safe_probability.dtype, safe_probability.shape) == (np.float32, safe.shape)
     # Eq. 2: index 1 is safe, so what looks safe is likelier to be.
@@ -201,6 +204,10 @@ def test_class_weights_raise_the_recall_of_unsafe_frames(overlapping):
     assert without + 0.1 < half < balanced - 0.05
 
 
+def test_a_frame_that_stands_for_others_counts_as_much(overlapping):
+    assert recall(overlapping, 0.0) + 0.2 < recall(overlapping, 0.0, unsafe_counts=4.0)
+
+
 def test_class_weights_by_hand():
     safe = np.array([True, True, True, False])
     assert class_weights(safe, 0).tolist() == [1, 1]
@@ -209,6 +216,8 @@ def test_class_weights_by_hand():
     assert (half[0] / half[1]).item() == pytest.approx(3**0.5)
     assert (half[0] + 3 * half[1]).item() == pytest.approx(4)
     assert class_weights(np.ones(3, bool), 1).tolist() == [1, 1]
+    weighted = class_weights(np.array([True, False]), 0.5, np.array([3.0, 1.0]))
+    assert weighted.tolist() == half.tolist()
 
 
 def test_the_safety_policys_loss_falls_and_its_bytes_are_the_same_again(overlapping):

@@ -83,6 +83,11 @@ LOOP: list[tuple[object, ...]] = [
         *("rollout", "primary_1", "safety_1", "rollout_2", *TASK, "--queries", "40"),
         *("--iteration", "2", "--workers", "1", "--audit", "1", "--metrics", "rollout_2.json"),
     ),
+    ("select", "rollout_2", "audits_2", "--because", "audit"),
+    (
+        *("train-safety", "primary_1", "D_safe", "D_1", "safety_2", *SAFETY, *FIT),
+        *("--audits", "audits_2", "--audits", "new_dagger_2"),
+    ),
 ]
 
 
@@ -134,6 +139,17 @@ def test_audits_are_queries_and_tell_what_looking_up_tells(house: Path) -> None:
     assert found["recall"] == found["estimated_recall"] is not None
     (unaudited,) = json.loads((house / "rollout_1.json").read_text())["rows"]
     assert "audits" not in unaudited
+
+
+def test_a_safety_policy_learns_from_audits_of_other_primaries_too(house: Path) -> None:
+    """What was seen where another primary drove, each of them judged anew."""
+    without, with_ = (json.loads((house / f"safety_{n}/safedagger.json").read_text()) for n in "12")
+    ours = [Dataset.open(house / name).lineage.sha256 for name in ("audits_2", "new_dagger_2")]
+    parents, more = (each["made"][each["sha256"]]["parents"] for each in (without, with_))
+    assert more == parents + ours
+    told, again = (each["made"][each["sha256"]]["arguments"] for each in (without, with_))
+    assert told == again
+    assert without["sha256"] != with_["sha256"]
 
 
 def test_the_safety_policy_was_judged_by_the_measure_that_was_named(house: Path) -> None:
@@ -202,6 +218,11 @@ def test_the_second_primary_began_with_the_first(house: Path) -> None:
             ),
             "measure 'nothing': expected one of mean-square",
         ),
+        (
+            ("train-safety", "primary_1", "D_safe", "D_1", "x", *SAFETY, *FIT, "--audits", "new_1"),
+            "new_1: 20 of its frames are in D_1 too, expected none",
+        ),
+        (("split", "D_0", "x", "y", "--share", "0.1"), "share is 0.1 of the 4 episodes of D_0"),
         (
             (
                 "rollout",
