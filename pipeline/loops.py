@@ -13,22 +13,32 @@ def loops(comparison: Comparison) -> dict[str, Any]:
     """The loops of dvc.yaml: of each, by step, what is told to its stages."""
     steps = list(_steps(comparison))
     safeties = dict(_safeties(comparison))
+    audits = {step: i for step, _, run, i in steps if run.audit and step in safeties}
     return {
+        "set-aside": {
+            start(name, run): {"share": run.set_aside}
+            for name, run in comparison.runs.items()
+            if run.set_aside
+        },
         "rollouts": {
             step: {
                 "iteration": i,
-                "primary": before(name, i),
+                "primary": before(name, run, i),
                 "safety": _safety(comparison, name, i - 1),
-                "queries": run.queries[i - 1],
+                "asks": run.asks(i),
                 "protocol": comparison.protocols[run.protocol],
             }
             for step, name, run, i in steps
             if run.strategy == "safedagger"
         },
+        "audits": {
+            step: {"selected": f"{'new' if i > 1 else 'D'}_audits_{step}"}
+            for step, i in audits.items()
+        },
         "dagger": {
             step: {
                 "iteration": i,
-                "previous": before(name, i),
+                "previous": before(name, run, i),
                 "beta": run.beta,
                 "frames": run.frames[i - 1],
                 "sample": run.sample[i - 1],
@@ -47,11 +57,20 @@ def loops(comparison: Comparison) -> dict[str, Any]:
             if run.strategy == "supervised"
         },
         "merges": {
-            step: {"previous": before(name, i)} for step, name, run, i in steps if run.collects
+            **{
+                step: {"previous": before(name, run, i)}
+                for step, name, run, i in steps
+                if run.collects
+            },
+            **{
+                f"audits_{step}": {"previous": f"audits_{before(name, run, i)}"}
+                for step, name, run, i in steps
+                if step in audits and i > 1
+            },
         },
         "steps": {
             step: {
-                "previous": before(name, i),
+                "previous": before(name, run, i),
                 "data": _data(run, name, i),
                 "samples": run.shown(i),
             }
@@ -62,7 +81,8 @@ def loops(comparison: Comparison) -> dict[str, Any]:
             for step, _, run, i in steps
             if i in run.from_scratch
         },
-        "safeties": safeties,
+        "safeties": {step: of for step, of in safeties.items() if step not in audits},
+        "safeties-audited": {step: of for step, of in safeties.items() if step in audits},
         "evaluated": {
             step: {"primary": of["primary"], "strategies": of["strategies"]}
             for step, of in safeties.items()
@@ -94,9 +114,14 @@ def render(comparison: Comparison) -> str:
     )
 
 
-def before(run: str, iteration: int) -> str:
+def start(name: str, run: Run) -> str:
+    """The step of a run's supervised stage: that of all, but where something of D_0 is set aside."""
+    return f"{name}_0" if run.set_aside else FIRST
+
+
+def before(name: str, run: Run, iteration: int) -> str:
     """The step that an iteration of a run follows."""
-    return f"{run}_{iteration - 1}" if iteration > 1 else FIRST
+    return f"{name}_{iteration - 1}" if iteration > 1 else start(name, run)
 
 
 def scratch(iteration: int) -> str:
@@ -113,13 +138,13 @@ def _steps(comparison: Comparison) -> Iterator[tuple[str, str, Run, int]]:
 
 def _data(run: Run, name: str, iteration: int) -> str:
     """The step of the data that is trained on."""
-    return f"{name}_{iteration}" if run.collects and iteration > 0 else FIRST
+    return f"{name}_{iteration}" if run.collects and iteration > 0 else start(name, run)
 
 
 def _safety(comparison: Comparison, name: str, iteration: int) -> str:
     """The safety policy after an iteration; all runs with the same labels share the first."""
-    first = next(iter(comparison.runs.values()))
-    shared = iteration == 0 and comparison.runs[name].labels(0) == first.labels(0)
+    first, run = next(iter(comparison.runs.values())), comparison.runs[name]
+    shared = iteration == 0 and not run.set_aside and run.labels(0) == first.labels(0)
     return FIRST if shared else f"{name}_{iteration}"
 
 
@@ -127,21 +152,31 @@ def _safeties(comparison: Comparison) -> Iterator[tuple[str, dict[str, Any]]]:
     first = next(iter(comparison.runs.values()))
     for name, run in comparison.runs.items():
         drives_on = run.iterations if run.is_watched else ()
+        safe = f"safe_{start(name, run)}" if run.set_aside else "safe"
         for i in (0, *run.iterations):
             safety = _safety(comparison, name, i)
             if safety == FIRST and run is not first:
                 continue  # the first run's, already
             if not run.driven_by and i + 1 not in drives_on:
                 continue  # nobody asks it
-            about: dict[str, Any] = {"primary": before(name, i + 1), "data": _data(run, name, i)}
-            about["labels"] = run.labels(i)
-            yield safety, about | {"strategies": run.driven_by}
+            yield (
+                safety,
+                {
+                    "primary": before(name, run, i + 1),
+                    "safe": safe,
+                    "data": _data(run, name, i),
+                    "labels": run.labels(i),
+                    "strategies": run.driven_by,
+                },
+            )
         for i in run.from_scratch:
-            about = {"primary": scratch(i), "data": _data(run, name, i), "labels": run.labels(i)}
-            yield scratch(i), about | {"strategies": NAIVE_AND_SAFE}
+            about = {"primary": scratch(i), "safe": safe, "data": _data(run, name, i)}
+            about |= {"labels": run.labels(i), "strategies": NAIVE_AND_SAFE}
+            yield scratch(i), about
     for tau in comparison.thresholds:
-        about = {"primary": FIRST, "data": FIRST, "labels": first.labels(0) | {"tau": tau}}
-        yield f"tau_{f'{tau:.12f}'[2:].rstrip('0')}", about | {"strategies": SAFE}
+        about = {"primary": FIRST, "safe": "safe", "data": FIRST}
+        about |= {"labels": first.labels(0) | {"tau": tau}, "strategies": SAFE}
+        yield f"tau_{f'{tau:.12f}'[2:].rstrip('0')}", about
 
 
 def _relied_on(comparison: Comparison) -> Iterator[tuple[str, dict[str, str]]]:
@@ -149,7 +184,8 @@ def _relied_on(comparison: Comparison) -> Iterator[tuple[str, dict[str, str]]]:
     there = comparison.reliability
     if there is None:
         return
-    yield FIRST, {"scenarios": there.ends}
+    for beginning in dict.fromkeys(start(name, run) for name, run in comparison.runs.items()):
+        yield beginning, {"scenarios": there.ends}
     for step, _, run, i in _steps(comparison):
         last = i == run.iterations[-1]
         yield step, {"scenarios": there.ends if last else there.between}

@@ -53,7 +53,13 @@ class Run(BaseModel):
     """the run that it is to be compared with; none for the strategies themselves"""
 
     queries: Counts = []
-    """of safedagger: how often the reference is asked"""
+    """of safedagger: how often the reference is asked, audits too"""
+    audit: Annotated[float, Field(ge=0, le=1)] = 0
+    """of safedagger: share of the frames that the primary drives that are asked about whatever the
+    safety policy says, and that the next one learns from"""
+    set_aside: Annotated[float, Field(ge=0, lt=1)] = 0
+    """of safedagger: share of the episodes of D_0 that no primary learns from, in the place of D_safe;
+    0: there is a D_safe"""
     frames: Counts = []
     """of dagger: how many are driven, and labelled"""
     sample: Counts = []
@@ -86,6 +92,9 @@ class Run(BaseModel):
             if (name in needed) != bool(given):
                 expected = "one for each iteration" if name in needed else "none"
                 raise ValueError(f"{name} of a {self.strategy} run: {given} given, {expected}")
+        for name in ("audit", "set_aside"):
+            if getattr(self, name) and not self.is_watched:
+                raise ValueError(f"{name} of a {self.strategy} run, expected of safedagger alone")
         many = len(self.iterations)
         allowed = {"samples": (1, many), "tau": (1, many + 1)}
         for name, counts in {**allowed, **{name: (many,) for name in needed}}.items():
@@ -113,6 +122,11 @@ class Run(BaseModel):
         return self.strategy == "safedagger"
 
     @property
+    def needs_d_safe(self) -> bool:
+        """Whether its loop needs a dataset for the safety policy alone."""
+        return self.is_watched and not self.set_aside
+
+    @property
     def told(self) -> dict[str, Any]:
         """What decides how it goes on: not how it is evaluated and shown."""
         beside = {"name", "words", "colour", "marker", "variant_of", "driven_by", "from_scratch"}
@@ -121,6 +135,11 @@ class Run(BaseModel):
     def shown(self, iteration: int) -> int:
         """Samples in the training of an iteration's primary."""
         return self.samples[iteration - 1] if len(self.samples) > 1 else self.samples[0]
+
+    def asks(self, iteration: int) -> dict[str, Any]:
+        """Options of rollout in an iteration: how much is asked."""
+        audit = {"audit": self.audit} if self.audit else {}
+        return {"queries": self.queries[iteration - 1]} | audit
 
     def labels(self, iteration: int) -> dict[str, Any]:
         """Options of train-safety after an iteration."""
@@ -147,7 +166,8 @@ class Comparison(BaseModel):
 
     Raises:
         ValidationError: there is none, one has a name of BESIDE or is a variant, or of a protocol,
-            that there is not, or several are trained from scratch.
+            that there is not, several are trained from scratch, or the first has no supervised stage
+            that others could share.
     """
 
     model_config = ConfigDict(extra="forbid", frozen=True)
@@ -170,6 +190,11 @@ class Comparison(BaseModel):
             if run.collects and run.protocol not in self.protocols:
                 known = ", ".join(self.protocols) or "some in protocols"
                 raise ValueError(f"{name}: protocol {run.protocol!r}, expected {known}")
+        first, run = next(iter(self.runs.items()))
+        if run.set_aside:
+            raise ValueError(
+                f"{first}: set_aside in the first run, expected all of D_0 in its place"
+            )
         if sum(bool(run.from_scratch) for run in self.runs.values()) > 1:
             raise ValueError("from_scratch: given for several runs, expected one at most")
         return self

@@ -36,9 +36,10 @@ def loops(**runs: dict[str, Any]) -> dict[str, Any]:
 def test_a_run_is_a_loop_that_begins_with_the_supervised_stage() -> None:
     found = loops(one=ONE)
     assert found["rollouts"] == {
-        "one_1": {"iteration": 1, "primary": "0", "safety": "0", "queries": 30, "protocol": LONG},
-        "one_2": {"iteration": 2, "primary": "one_1", "safety": "one_1", "queries": 10}
-        | {"protocol": LONG},
+        "one_1": {"iteration": 1, "primary": "0", "safety": "0"}
+        | {"asks": {"queries": 30}, "protocol": LONG},
+        "one_2": {"iteration": 2, "primary": "one_1", "safety": "one_1"}
+        | {"asks": {"queries": 10}, "protocol": LONG},
     }
     assert found["merges"] == {"one_1": {"previous": "0"}, "one_2": {"previous": "one_1"}}
     assert found["steps"] == {
@@ -48,6 +49,7 @@ def test_a_run_is_a_loop_that_begins_with_the_supervised_stage() -> None:
     labels = {"tau": 0.1, "horizon": 0, "horizon-mode": "last"}
     assert found["safeties"]["one_2"] == {
         "primary": "one_2",
+        "safe": "safe",
         "data": "one_2",
         "labels": labels,
         "strategies": "naive",
@@ -102,12 +104,47 @@ def test_a_safety_policy_that_nobody_asks_is_not_trained() -> None:
     assert found["evaluated"] == {}
 
 
+AUDITED = ONE | {"queries": [30, 20, 10], "audit": 0.1, "driven_by": ""}
+
+
+def test_audits_of_all_iterations_are_for_the_safety_policy() -> None:
+    """Of the last rollout there is none to learn from them."""
+    found = loops(one=ONE, two=AUDITED)
+    assert found["rollouts"]["two_1"]["asks"] == {"queries": 30, "audit": 0.1}
+    assert found["rollouts"]["two_1"]["safety"] == "0"
+    assert found["audits"] == {
+        "two_1": {"selected": "D_audits_two_1"},
+        "two_2": {"selected": "new_audits_two_2"},
+    }
+    assert found["merges"]["audits_two_2"] == {"previous": "audits_two_1"}
+    assert list(found["safeties-audited"]) == ["two_1", "two_2"]
+    assert found["safeties-audited"]["two_2"]["safe"] == "safe"
+    assert not [step for step in found["safeties"] if step.startswith("two")]
+
+
+def test_what_is_set_aside_of_d_0_takes_the_place_of_d_safe() -> None:
+    """So its loop begins with a primary of its own."""
+    found = loops(one=ONE, two=AUDITED | {"set_aside": 0.2})
+    assert found["set-aside"] == {"two_0": {"share": 0.2}}
+    first = found["safeties"]["two_0"]
+    assert (first["primary"], first["safe"], first["data"]) == ("two_0", "safe_two_0", "two_0")
+    assert found["safeties-audited"]["two_1"]["safe"] == "safe_two_0"
+    rollout = found["rollouts"]["two_1"]
+    assert (rollout["primary"], rollout["safety"]) == ("two_0", "two_0")
+    assert found["merges"]["two_1"] == {"previous": "two_0"}
+    assert found["steps"]["two_1"]["previous"] == "two_0"
+    assert found["steps"]["one_1"]["previous"] == "0"
+
+
 def test_each_primary_is_counted_on_in_the_end_where_it_matters_and_between_in_fewer() -> None:
     told = {"runs": {"one": ONE}, "protocols": {"long": LONG}}
     assert unrolled(Comparison.of(told))["relied-on"] == {}
     found = unrolled(Comparison.of(told | {"reliability": {"ends": "a,b", "between": "a"}}))
     scenarios = {step: told["scenarios"] for step, told in found["relied-on"].items()}
     assert scenarios == {"0": "a,b", "one_1": "a", "one_2": "a,b"}
+    aside = {"two": AUDITED | {"set_aside": 0.2}}
+    told |= {"runs": told["runs"] | aside, "reliability": {"ends": "a,b", "between": "a"}}
+    assert unrolled(Comparison.of(told))["relied-on"]["two_0"] == {"scenarios": "a,b"}
 
 
 def test_what_stands_beside_the_loops() -> None:
@@ -134,6 +171,14 @@ def test_what_stands_beside_the_loops() -> None:
         ({"from_scratch": [3]}, "runs.one: from_scratch: 3, expected 2 at most"),
         ({"variant_of": "two"}, "runs: one: there is no run 'two' to be a variant of"),
         ({"protocol": "slow"}, "runs: one: protocol 'slow', expected long, short"),
+        (
+            {"set_aside": 0.2},
+            "runs: one: set_aside in the first run, expected all of D_0 in its place",
+        ),
+        (
+            {**DAGGER, "queries": [], "audit": 0.1},
+            "runs.one: audit of a dagger run, expected of safeda",
+        ),
     ],
 )
 def test_what_does_not_fit_is_one_line(changes: dict[str, Any], problem: str) -> None:

@@ -43,7 +43,7 @@ def test_every_scale_has_the_same_options(name: str) -> None:
             assert found[group].keys() == options.keys(), group
 
 
-@pytest.mark.parametrize("name", FILES)
+@pytest.mark.parametrize("name", [*FILES, "scales/curves.yaml"])
 def test_every_name_in_a_scale_is_known(name: str) -> None:
     assert parameters.read(ROOT / name, ROOT / "dvc.yaml").runs
 
@@ -139,7 +139,7 @@ def test_all_strategies_train_on_as_many_new_frames() -> None:
         scale = read(name)
         budgets = dict(zip((1, 2, 3), (3 * unit, 3 * unit, unit), strict=True))
         for rollout in scale["rollouts"].values():
-            assert rollout["queries"] == budgets[rollout["iteration"]]
+            assert rollout["asks"] == {"queries": budgets[rollout["iteration"]]}
         for rollout in scale["dagger"].values():
             assert rollout["sample"] == budgets[rollout["iteration"]]
         seconds = scale["protocols"][scale["runs"]["supervised"]["protocol"]]["seconds"]

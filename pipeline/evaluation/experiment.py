@@ -130,8 +130,8 @@ class Experiment(Tables):
     def spent(self) -> pd.DataFrame:
         """What each step has cost so far: the ledgers, with queries and frames driven and selected
         summed over the loop, which D_0 is outside of; "takeover" as the share of these frames; and
-        "labels", queries in all: D_0's, the loop's and, where the loop needs a safety policy,
-        D_safe's. Of other runs the safety policies exist only to measure.
+        "labels", queries in all: D_0's, the loop's and, where the loop needs a dataset for its safety
+        policy, D_safe's. Of other runs the safety policies exist only to measure.
         """
         rows = self.ledgers.sort_values(STEP[:3], ignore_index=True)
         d_safe = rows[rows.run == D_SAFE].set_index("seed").queries
@@ -141,7 +141,7 @@ class Experiment(Tables):
         )
         so_far = (summed.mul(rows.iteration > 0, axis=0)).groupby([rows.seed, rows.run]).cumsum()
         first = pd.MultiIndex.from_frame(rows[["seed", "run"]])
-        watched = rows.run.map(lambda run: run in self.specs and self.specs[run].is_watched)
+        needed = rows.run.map(lambda run: run in self.specs and self.specs[run].needs_d_safe)
         return rows.assign(
             queries=so_far.queries,
             frames_driven=so_far.frames_driven,
@@ -149,7 +149,7 @@ class Experiment(Tables):
             takeover=so_far.by_reference / so_far.frames_driven,
             labels=d_0.reindex(first).to_numpy()
             + so_far.queries
-            + d_safe.reindex(rows.seed).to_numpy() * watched,
+            + d_safe.reindex(rows.seed).to_numpy() * needed,
         )
 
 

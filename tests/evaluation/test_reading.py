@@ -4,6 +4,7 @@ import json
 import math
 import shutil
 from collections.abc import Iterable
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -72,9 +73,10 @@ def test_rollouts_belong_to_the_policies_that_drove_them(tmp_path: Path) -> None
 
 
 def test_what_was_spent_is_that_of_the_loop_so_far(tmp_path: Path) -> None:
-    """And the labels in all: D_0, the loop, D_safe where a loop needs a safety policy."""
+    """And the labels in all: D_0, the loop, D_safe where a loop needs it for a safety policy."""
     write_seed(tmp_path, 0, "dagger")
-    spent = read_experiment(tmp_path).spent
+    found = read_experiment(tmp_path)
+    spent = found.spent
     ours, dagger = (among(spent, run=run) for run in ("safedagger", "dagger"))
     assert ours.queries.tolist() == dagger.queries.tolist() == [0, 1100, 1900, 2400]
     assert ours.frames_driven.tolist() == [0, 3610, 7230, 10860]
@@ -84,6 +86,9 @@ def test_what_was_spent_is_that_of_the_loop_so_far(tmp_path: Path) -> None:
     )
     assert ours.labels.tolist() == [4801, 5901, 6701, 7201]
     assert dagger.labels.tolist() == [3600, 4700, 5500, 6000]
+    aside = found.specs["safedagger"].model_copy(update={"set_aside": 0.2})
+    without = replace(found, specs={**found.specs, "safedagger": aside}).spent
+    assert among(without, run="safedagger").labels.tolist() == [3600, 4700, 5500, 6000]
 
 
 def test_iteration_0_is_shared_unless_a_run_has_its_own(tmp_path: Path) -> None:

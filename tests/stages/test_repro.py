@@ -37,6 +37,9 @@ RUNS: dict[str, dict[str, Any]] = {
     "ahead": EACH
     | {"strategy": "safedagger", "name": "Ahead", "variant_of": "safedagger", "queries": [12]}
     | {"horizon": 0.5, "horizon_mode": "max", "driven_by": "safe"},
+    "audited": EACH
+    | {"strategy": "safedagger", "name": "Audited", "variant_of": "safedagger", "queries": [12]}
+    | {"audit": 0.5, "set_aside": 0.5, "driven_by": "safe"},
     "more": EACH | {"strategy": "training", "name": "more training", "driven_by": ""},
 }
 TINY: dict[str, Any] = {
@@ -208,6 +211,7 @@ def test_every_primary_is_counted_on_alone(house: Path) -> None:
     metrics = house / "cards" / "metrics" / "seed_0"
     drives = {path.stem: read_drives(path) for path in metrics.glob("reliability_*.csv")}
     ends = ("0", "safedagger_2", "dagger_1", "supervised_1", "ahead_1", "more_1")
+    ends += ("audited_0", "audited_1")
     assert {name: len(table) for name, table in drives.items()} == {
         "reliability_safedagger_1": 2,
         **{f"reliability_{step}": 4 for step in ends},
