@@ -32,6 +32,8 @@ def evaluate(
     seed: options.Seed = 0,
     workers: options.Workers = None,
     cut: options.Cut = None,
+    resume: options.Resume = None,
+    least: options.Least = None,
     hold: options.Hold = None,
     device: options.Device = "cpu",
 ) -> None:
@@ -56,7 +58,10 @@ def evaluate(
     driver.check_task(task.name, task.features)
     judgement = Judgement.read(safety, cut) if safety else None
     told = strategies or ("naive,safe" if safety else "naive")
-    rules = [rule_of(parse_driving(name), judgement) for name in options.names(told)]
+    rules = [
+        rule_of(parse_driving(name), judgement, resume=resume, least=(least or 0) * task.fps)
+        for name in options.names(told)
+    ]
     planned = list(trials(task, rules, starts, seed=seed))
     rows = []
     with options.progress("driving", len(planned)) as advance_to:

@@ -46,6 +46,19 @@ Cut = Annotated[
         help="A frame is unsafe below this safe probability; by default the safety policy's own.",
     ),
 ]
+Resume = Annotated[
+    float | None,
+    typer.Option(
+        min=0,
+        max=1,
+        help="By the safe strategy the reference, once it drives, hands back at this safe "
+        "probability; by default at the cut.",
+    ),
+]
+Least = Annotated[
+    float | None,
+    typer.Option(min=0, help="... and drives for so long [s] at least, to the nearest frame; 0."),
+]
 Hold = Annotated[
     int | None,
     typer.Option(

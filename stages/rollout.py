@@ -37,6 +37,8 @@ def rollout(
     seed: options.Seed = 0,
     workers: options.Workers = None,
     cut: options.Cut = None,
+    resume: options.Resume = None,
+    least: options.Least = None,
     audit: Annotated[
         float | None,
         typer.Option(
@@ -72,9 +74,10 @@ def rollout(
     check_place(metrics)
     computes = find_device(device)
     judgement = Judgement.read(safety, cut)
+    calm = rule_of(Strategy.SAFE, judgement, resume=resume, least=(least or 0) * task.fps)
     drives = record_all(
         task,
-        Audit(rule_of(Strategy.SAFE, judgement), audit or 0.0),
+        Audit(calm, audit or 0.0),
         Driver.load(primary, safety, hold=hold or 1, device=computes),
         count(),
         seed=(seed, SEED_STREAMS["rollout"] + iteration),

@@ -9,6 +9,7 @@ import numpy as np
 
 from pipeline.data.lineage import Lineage, first_bits
 from pipeline.policies.measures import deviation
+from pipeline.rollout.rules.calm import Calm
 from pipeline.rollout.rules.naive import Naive
 from pipeline.rollout.rules.optimal import Optimal
 from pipeline.rollout.rules.reference import Reference
@@ -56,8 +57,21 @@ class Judgement:
         return deviation(self.measure, proposed, reference, self.half_range)
 
 
-def rule_of(strategy: Strategy, judgement: Judgement | None) -> Rule:
-    """The rule of a driving strategy; `judgement` is None where there is no safety policy.
+def rule_of(
+    strategy: Strategy,
+    judgement: Judgement | None,
+    *,
+    resume: float | None = None,
+    least: float = 0,
+) -> Rule:
+    """The rule of a driving strategy.
+
+    Args:
+        strategy: but for `MIXTURE`.
+        judgement: None where there is no safety policy.
+        resume: of the safe strategy, as `Calm`: the safe probability at which the reference hands
+            back; the cut where None.
+        least: of the safe strategy, as `Calm`: for how many frames it drives.
 
     Raises:
         ValueError: the strategy needs a safety policy, or a number that no policy has, beta; or a
@@ -74,7 +88,10 @@ def rule_of(strategy: Strategy, judgement: Judgement | None) -> Rule:
         raise ValueError(f"strategy is {strategy}, which needs a safety policy")
     match strategy:
         case Strategy.SAFE:
-            return Safe(judgement.cut)
+            cut = judgement.cut
+            if resume is not None and not resume >= cut:
+                raise ValueError(f"resume is {resume}, expected at least the cut, {cut:g}")
+            return Calm(Safe(cut), cut if resume is None else resume, least)
         case Strategy.OPTIMAL:
             return Optimal(judgement.tau, judgement.deviation)
 

@@ -9,6 +9,7 @@ from pipeline.driving.network import PrimaryNetwork
 from pipeline.policies.network import SafetyNetwork
 from pipeline.policies.safety import SafetyConfig, SafetyPolicy
 from pipeline.rollout.judgement import Judgement, rule_of
+from pipeline.rollout.rules.calm import Calm
 from pipeline.rollout.rules.naive import Naive
 from pipeline.rollout.rules.optimal import Optimal
 from pipeline.rollout.rules.reference import Reference
@@ -29,7 +30,10 @@ def test_it_goes_by_the_labels_and_the_cut_of_the_safety_policy(
     SafetyPolicy(config, network).save_pretrained(tmp_path)
     assert Judgement.read(tmp_path) == Judgement(0.4, 0.01, measure)
     judgement = Judgement.read(tmp_path, 0.3)
-    assert rule_of(Strategy.SAFE, judgement) == Safe(0.3)
+    assert rule_of(Strategy.SAFE, judgement) == Calm(Safe(0.3), 0.3, 0)
+    assert rule_of(Strategy.SAFE, judgement, resume=0.7, least=9) == Calm(Safe(0.3), 0.7, 9)
+    with pytest.raises(ValueError, match=r"resume is 0.2, expected at least the cut, 0.3"):
+        rule_of(Strategy.SAFE, judgement, resume=0.2)
     optimal = rule_of(Strategy.OPTIMAL, judgement)
     assert isinstance(optimal, Optimal) and optimal.tau == 0.01
     actions = np.float32([[0.1, 0.0]]), np.float32([[0.3, 1.0]])

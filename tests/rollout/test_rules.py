@@ -8,6 +8,7 @@ from hypothesis import strategies as st
 from pipeline.data.schema import Asked
 from pipeline.rollout.judgement import Judgement
 from pipeline.rollout.rules.audit import Audit
+from pipeline.rollout.rules.calm import Calm
 from pipeline.rollout.rules.mixture import Mixture
 from pipeline.rollout.rules.naive import Naive
 from pipeline.rollout.rules.optimal import Optimal
@@ -89,6 +90,43 @@ def test_a_mixture_without_beta_is_naive_and_with_all_of_it_the_reference() -> N
     assert all(decide(Mixture(1.0)).reference_drives for _ in range(9))
 
 
+def who(rule: Rule, probabilities: list[float]) -> str:
+    """Who drives each frame of a drive: the reference or the primary."""
+    rule.begin(np.random.default_rng(0))
+    return "".join("R" if decide(rule, each).reference_drives else "p" for each in probabilities)
+
+
+@pytest.mark.parametrize(
+    ("resume", "least", "probabilities", "expected"),
+    [
+        (0.8, 0, [0.9, 0.5, 0.49, 0.5, 0.79, 0.8, 0.5], "ppRRRpp"),
+        (0.5, 3, [0.4, 0.9, 0.9, 0.9, 0.4], "RRRpR"),
+        (0.5, 2.5, [0.4, 0.9, 0.9, 0.9], "RRRp"),
+        (0.8, 2, [0.4, 0.9, 0.7, 0.9, 0.4, 0.4, 0.9], "RRRpRRp"),
+        (0.5, 0, [0.9, math.nan, 0.5], "pRp"),
+        (0.5, math.inf, [0.9, 0.4, 0.9, 0.9], "pRRR"),
+    ],
+)
+def test_who_is_calm_hands_back_late(
+    resume: float, least: float, probabilities: list[float], expected: str
+) -> None:
+    rule = Calm(Safe(0.5), resume, least)
+    assert who(rule, probabilities) == expected
+    assert who(rule, probabilities) == expected, "a drive remembers another"
+
+
+@given(shares, st.lists(known, max_size=20), shares, st.integers(0, 5))
+def test_the_calm_reference_drives_where_it_is_called_and_more(
+    cut: float, probabilities: list[float], more: float, least: int
+) -> None:
+    hasty = who(Safe(cut), probabilities)
+    assert who(Calm(Safe(cut), cut, 0), probabilities) == hasty
+    calm = who(Calm(Safe(cut), cut + more * (1 - cut), least), probabilities)
+    assert all(late == "R" for late, soon in zip(calm, hasty, strict=True) if soon == "R")
+    assert calm.count("Rp") <= hasty.count("Rp")
+    assert all(len(call) >= least for call in calm.rstrip("R").split("p") if call)
+
+
 def audited(rule: Rule, share: float, probabilities: list[float]) -> list[Decision]:
     """A drive in which it is audited."""
     rule = Audit(rule, share)
@@ -137,6 +175,8 @@ def test_chance_beneath_an_audit_is_what_it_is_without() -> None:
         (lambda: Optimal(-1.0, STEERING), "tau"),
         (lambda: Mixture(math.nan), "beta"),
         (lambda: Audit(Safe(0.5), 1.1), "audit"),
+        (lambda: Calm(Safe(0.5), math.nan, 0), "resume"),
+        (lambda: Calm(Safe(0.5), 0.5, -1), "least"),
     ],
 )
 def test_numbers_out_of_range_are_refused(make: object, named: str) -> None:
