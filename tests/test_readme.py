@@ -18,8 +18,8 @@ ROOT = Path(__file__).parent.parent
 STAGES = [path for path in ROOT.glob("stages/*.py") if "@app.command" in path.read_text()]
 PROGRAMS = ("safedagger", "lerobot-train")
 SHOWS = {"inspect", "compare", "compare-policies", "watch"}
-# what has more than one iteration
-OF_A_RUN = SHOWS | {"plan", "runs", "report", "results", "errors"}
+# what has more than one iteration, or another first one
+OF_A_RUN = SHOWS | {"plan", "runs", "report", "results", "errors", "split"}
 
 
 def section(page: str, heading: str) -> str:
@@ -53,10 +53,28 @@ ARM = ("by-hand", "The same with a robot arm")  # in tests/tasks/test_metaworld_
 ACT = ("use-your-own", "A policy that LeRobot trains")  # there, too
 SHAPE = ("extending", "A world")  # a command whose module is the reader's
 PIPELINE = ("pipeline", "One iteration")
+AUDITS = [
+    ("audits", heading)
+    for heading in ("What a safety policy misses", "Learning from audits", "Without D_safe")
+]
+CALM = ("audits", "Calmer handovers")
 
 
 def test_every_command_of_the_pages_is_run_here() -> None:
-    run = [BY_HAND, LEROBOT, TASK, REFERENCE, DATASET, *LOOKING, ARM, ACT, SHAPE, PIPELINE]
+    run = [
+        BY_HAND,
+        LEROBOT,
+        TASK,
+        REFERENCE,
+        DATASET,
+        *LOOKING,
+        ARM,
+        ACT,
+        SHAPE,
+        PIPELINE,
+        *AUDITS,
+        CALM,
+    ]
     found = []
     for path in (ROOT / "README.md", *ROOT.glob("docs/*.md")):
         page = "" if path.name == "README.md" else path.stem
@@ -95,6 +113,26 @@ def test_a_rule_of_ones_own_drives_as_the_page_shows(
     told = [line.split() for line in capsys.readouterr().out.splitlines()]
     queries, frames = (sum(int(line[n]) for line in told) for n in (0, 3))
     assert (queries, frames) == (50, 100)
+
+
+def test_audits_are_learned_from_as_the_page_shows(
+    by_hand: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """And the reference that is calm keeps driving for a second, ten frames."""
+    from pipeline.data.dataset import Dataset
+    from pipeline.evaluation.drives import read_drives
+
+    monkeypatch.chdir(by_hand)
+    for part in (*AUDITS, CALM):
+        for command in commands(*part):
+            typed(*command)
+    driven, new, audits = (
+        Dataset.open(Path("mine") / name) for name in ("audited_1", "new_audited_1", "audits_1")
+    )
+    assert len(new) + len(audits) == driven.column("queried").sum() == 60
+    assert len(audits) > 0 and not audits.column("intervention").any()
+    drives = read_drives(Path("mine/calm.csv"))
+    assert (drives.takeover_frames >= 10 * (drives.takeovers - 1)).all()  # it may end in one
 
 
 @pytest.mark.parametrize(
