@@ -159,24 +159,17 @@ def _safeties(comparison: Comparison) -> Iterator[tuple[str, dict[str, Any]]]:
                 continue  # the first run's, already
             if not run.driven_by and i + 1 not in drives_on:
                 continue  # nobody asks it
-            yield (
-                safety,
-                {
-                    "primary": before(name, run, i + 1),
-                    "safe": safe,
-                    "data": _data(run, name, i),
-                    "labels": run.labels(i),
-                    "strategies": run.driven_by,
-                },
-            )
+            about: dict[str, Any] = {"primary": before(name, run, i + 1), "safe": safe}
+            about |= {"data": _data(run, name, i), "labels": run.labels(i)}
+            yield safety, about | {"strategies": run.driven_by}
         for i in run.from_scratch:
-            about = {"primary": scratch(i), "safe": safe, "data": _data(run, name, i)}
-            about |= {"labels": run.labels(i), "strategies": NAIVE_AND_SAFE}
-            yield scratch(i), about
+            about = {"primary": scratch(i), "safe": safe}
+            about |= {"data": _data(run, name, i), "labels": run.labels(i)}
+            yield scratch(i), about | {"strategies": NAIVE_AND_SAFE}
     for tau in comparison.thresholds:
         about = {"primary": FIRST, "safe": "safe", "data": FIRST}
-        about |= {"labels": first.labels(0) | {"tau": tau}, "strategies": SAFE}
-        yield f"tau_{f'{tau:.12f}'[2:].rstrip('0')}", about
+        about |= {"labels": first.labels(0) | {"tau": tau}}
+        yield f"tau_{f'{tau:.12f}'[2:].rstrip('0')}", about | {"strategies": SAFE}
 
 
 def _relied_on(comparison: Comparison) -> Iterator[tuple[str, dict[str, str]]]:
