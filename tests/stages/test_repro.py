@@ -39,7 +39,7 @@ RUNS: dict[str, dict[str, Any]] = {
     | {"horizon": 0.5, "horizon_mode": "max", "driven_by": "safe"},
     "audited": EACH
     | {"strategy": "safedagger", "name": "Audited", "variant_of": "safedagger", "queries": [12]}
-    | {"audit": 0.5, "set_aside": 0.5, "driven_by": "safe"},
+    | {"audit": 0.5, "set_aside": 0.75, "driven_by": "safe"},
     "more": EACH | {"strategy": "training", "name": "more training", "driven_by": ""},
 }
 TINY: dict[str, Any] = {
