@@ -6,6 +6,8 @@ from typing import Final, Literal
 
 DRIVES = "drives"
 """A column of ones: over it, a ratio is the mean over the drives."""
+FAILURE = "failures."
+"""What the names of a ledger's failures of one kind begin with."""
 EVERYWHERE: Final = ("tables", "figures", "cards")
 
 
@@ -114,3 +116,23 @@ SPENT: Mapping[str, Metric] = {
     ),
 }
 """Of a loop up to an iteration: what it cost."""
+
+COLLECTED: Mapping[str, Metric] = {
+    "drives": Metric("Drives", "drives", "count", "drives", statistic="mean"),
+    "scenarios": Metric("Scenarios", "scenarios", "count", "scenarios", statistic="mean"),
+    "calls": Metric("Calls", "calls", "count", "calls", statistic="mean"),
+    "call_length": Metric("Frames of a call", "frames", "amount", "call_length", statistic="mean"),
+    "switches": Metric("Switches", "switches", "count", "switches", statistic="mean"),
+    "audits": Metric("Audits", "queries", "count", "audits", statistic="mean"),
+    # no counts: of one on three seeds, rounding would leave none
+    "put_back": Metric("Put back", "times", "amount", "put_back", statistic="mean"),
+    "failures": Metric(
+        "Failures while collecting",
+        "failures",
+        "amount",
+        "failures",
+        statistic="mean",
+        shown=(*EVERYWHERE, "dvc"),
+    ),
+}
+"""Of the same: what its drives took, and what became of them."""

@@ -36,6 +36,8 @@ class Task(Settings, ABC):
     """whether its reference answers for nothing: a rule in a simulator does, a person does not"""
     metrics: ClassVar[Mapping[str, Metric]] = DRIVEN
     """what its drives are measured by, of what their `outcome` and all drives have"""
+    failures: ClassVar[Mapping[str, str]] = {}
+    """what may go wrong in a drive, by name: how often it did, as a `metric.Metric` takes it of drives"""
 
     @property
     @abstractmethod

@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pipeline.data.dataset import Dataset
+from pipeline.data.ledger import collected
 from pipeline.driving.affordances import FULL_ANGLE
 from pipeline.driving.features import AFFORDANCES, CONTROL_HZ, FEATURES, IMITATED
 from pipeline.driving.tracks import LANE_WIDTH
@@ -23,7 +24,8 @@ def dataset_facts(dataset: Dataset) -> dict[str, Any]:
             these: the reference drove.
         "compared": frames of a rollout by a safety policy in which both actions are known;
             "deviating", of these: its labels call them unsafe; "unsafe_is": by which labels.
-        "endings": drives that were recorded here, by how they ended.
+        "endings": drives that were recorded here, by how they ended; "collected": of these, what
+            `ledger.collected` counts.
         "braking": frames whose action brakes.
         "offset": [m] from the middle of the lane, and "angle": [rad] to the lane, at most, in half and
             in 95 % of the frames; None without any.
@@ -38,6 +40,7 @@ def dataset_facts(dataset: Dataset) -> dict[str, Any]:
     intervention = columns["intervention"][:, 0]
     judged = ~np.isnan(columns["safe_probability"][:, 0])
     affordances = columns["affordances"]
+    drives = dataset.drives
 
     def counted(rows: NDArray[np.bool_]) -> dict[str, int]:
         return {
@@ -62,7 +65,8 @@ def dataset_facts(dataset: Dataset) -> dict[str, Any]:
         "judged": int(judged.sum()),
         "called_unsafe": int((judged & intervention).sum()),
         **_unsafe(dataset, columns),
-        "endings": dict(Counter(drive["ended"] for drive in dataset.drives)),
+        "endings": dict(Counter(drives.ended)) if len(drives) else {},
+        "collected": collected(dataset) if len(drives) else {},
         "offset": _within(affordances[:, AFFORDANCES.index("lane_position")] * LANE_WIDTH / 2),
         "angle": _within(affordances[:, AFFORDANCES.index("lane_angle")] * FULL_ANGLE),
         "braking": int((columns["action"][:, 1] > 0).sum()),

@@ -10,10 +10,10 @@ from typing import Any
 from huggingface_hub import DatasetCardData, EvalResult, ModelCardData
 from jinja2 import Template
 
-from pipeline.driving.metrics import METRICS
+from pipeline.driving.metrics import KINDS, METRICS
 from pipeline.evaluation.templates import template
 from pipeline.evaluation.wording import in_condition
-from pipeline.metric import QUALITY, Metric, shown
+from pipeline.metric import COLLECTED, QUALITY, Metric, shown
 
 type Facts = Mapping[str, Any]
 
@@ -37,7 +37,8 @@ def dataset_card(facts: Facts) -> str:
         size_categories=[next((name for most, name in _SIZES if frames < most), "1M<n<10M")],
         configs=[{"config_name": "default", "data_files": "data/*/*.parquet"}],
     )
-    return _template("dataset").render(facts, front_matter=data.to_yaml())
+    of_drives = shown({**COLLECTED, **KINDS}, "cards").values()
+    return _template("dataset").render(facts, front_matter=data.to_yaml(), of_drives=of_drives)
 
 
 def model_card(facts: Facts) -> str:

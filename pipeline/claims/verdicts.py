@@ -4,7 +4,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import partial
 
-from pipeline.claims import rules
+from pipeline.claims import collecting, rules
 from pipeline.claims.findings import (
     WORDS,
     Finding,
@@ -88,6 +88,16 @@ def claims(experiment: Experiment) -> list[Claim]:
             rules.drives_as_far,
         ),
         *(_of_ours(experiment, experiment.ours) if experiment.ours else ()),
+        *(
+            Claim(
+                f"{experiment.title(run)} learns without any catastrophic experience: while it collects, "
+                "no drive leaves the road, touches a car or stands still.",
+                (run,),
+                partial(collecting.is_unharmed, run=run),
+            )
+            for run in experiment.strategies
+            if experiment.specs[run].collects
+        ),
     ]
 
 
@@ -171,6 +181,14 @@ def _of_ours(experiment: Experiment, ours: str) -> Iterator[Claim]:
             (ours, rival),
             partial(rules.needs_fewer_queries, run=ours, rival=rival),
         )
+    for rival in dagger:
+        if specs[rival].protocol == specs[ours].protocol:
+            yield Claim(
+                f"While collecting, {name} leaves the road, touches a car or stands still less often, "
+                f"frame by frame, than {experiment.title(rival)}.",
+                (ours, rival),
+                partial(collecting.fails_less_often, run=ours, rival=rival),
+            )
 
 
 def _by_rows(*rows: Row) -> Rule:

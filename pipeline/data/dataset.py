@@ -5,14 +5,13 @@ cache, and takes 10 s to import. So the files are read themselves, after `open` 
 LeRobot could load them.
 """
 
-import csv
 import hashlib
 from bisect import bisect_right
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache, cached_property
 from pathlib import Path
-from typing import Any, Self
+from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
 import pyarrow as pa
@@ -34,6 +33,9 @@ from pipeline.data.schema import (
     missing_value,
     pictures,
 )
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 DRIVES = "drives.csv"
 """Beside meta/, in what was recorded: how each drive ended."""
@@ -108,13 +110,14 @@ class Dataset:
         return Lineage.foreign(digest.hexdigest())
 
     @property
-    def drives(self) -> list[dict[str, str]]:
-        """How each drive that was recorded in it ended, as `write_dataset` wrote it down."""
+    def drives(self) -> "pd.DataFrame":
+        """How each drive that was recorded in it ended, as `write_dataset` wrote it down; empty where
+        nobody did.
+        """
+        import pandas as pd
+
         file = self.path / DRIVES
-        if not file.is_file():
-            return []
-        with open(file, newline="", encoding="utf-8") as rows:
-            return list(csv.DictReader(rows))
+        return pd.read_csv(file, keep_default_na=False) if file.is_file() else pd.DataFrame()
 
     @property
     def data_files(self) -> list[Path]:

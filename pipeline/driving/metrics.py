@@ -1,8 +1,13 @@
 """What the car's drives are measured by (Sec. 4.4)."""
 
-from pipeline.metric import DRIVEN, Metric
+from pipeline.metric import DRIVEN, FAILURE, Metric
 
-_FAILURES = "off_road + touches + (ended == 'stood still')"
+FAILURES = {
+    "road_left": "off_road",
+    "touches": "touches",
+    "stood_still": "(ended == 'stood still')",
+}
+"""Of `task.Task`."""
 
 METRICS = {
     "laps": Metric(
@@ -55,12 +60,19 @@ METRICS = {
         "Failures: road left, touches, stood still",
         "per 100 km",
         "amount",
-        _FAILURES,
+        " + ".join(FAILURES.values()),
         "abs(distance_m) / 1e5",
         strategies=("naive",),
         shown=("dvc",),
     ),
     "off_road": Metric("Left the road", "share of drives", "share", "off_road", shown=("cards",)),
 }
+KINDS = {
+    name: Metric(
+        name.replace("_", " ").capitalize(), "times", "amount", FAILURE + name, statistic="mean"
+    )
+    for name in FAILURES
+}
+"""Of a loop up to an iteration: the failures of each kind."""
 CONDITIONS = {"no_traffic": "without traffic", "traffic": "with traffic"}
 """Those of `driving.task.Driving`, in words."""

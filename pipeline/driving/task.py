@@ -10,7 +10,7 @@ import numpy as np
 
 from pipeline.data.schema import Feature
 from pipeline.driving.features import FEATURES, ROBOT_TYPE, check_action_repeat
-from pipeline.driving.metrics import METRICS
+from pipeline.driving.metrics import FAILURES, METRICS
 from pipeline.metric import Metric
 from pipeline.settings import Setting
 from pipeline.task import Task
@@ -32,6 +32,7 @@ class Driving(Task):
     features: ClassVar[Mapping[str, Feature]] = FEATURES
     measure: ClassVar[str] = "steering"
     metrics: ClassVar[Mapping[str, Metric]] = METRICS
+    failures: ClassVar[Mapping[str, str]] = FAILURES
 
     tracks: Annotated[
         str,

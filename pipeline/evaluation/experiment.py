@@ -10,7 +10,7 @@ from typing import Any, Self
 import pandas as pd
 
 from pipeline.evaluation.drives import among
-from pipeline.metric import Metric
+from pipeline.metric import FAILURE, Metric
 from pipeline.runs import Run
 
 STEP = ["seed", "run", "iteration", "step"]
@@ -23,6 +23,12 @@ HELD_OUT, ROLLOUT = "held_out", "rollout"
 """What a safety policy was judged on: frames of D_safe, which the reference drove; what it met in
 collecting for the next iteration, which it decided about.
 """
+
+SUMMED = (
+    *("queries", "frames_driven", "frames_selected", "calls", "frames_of_calls", "switches"),
+    *("drives", "audits", "put_back", "failures"),
+)
+"""What a loop adds up of its ledgers."""
 
 
 def _no_steps() -> pd.DataFrame:
@@ -128,25 +134,26 @@ class Experiment(Tables):
 
     @cached_property
     def spent(self) -> pd.DataFrame:
-        """What each step has cost so far: the ledgers, with queries and frames driven and selected
-        summed over the loop, which D_0 is outside of; "takeover" as the share of these frames; and
-        "labels", queries in all: D_0's, the loop's and, where the loop needs a dataset for its safety
-        policy, D_safe's. Of other runs the safety policies exist only to measure.
+        """What each step has cost so far: the ledgers, with what they count summed over the loop,
+        which D_0 is outside of, but for the frames trained on and the scenarios, which are those of
+        the iteration with the most, as all go around the same; "takeover" as the share of the frames
+        driven; "call_length", frames of a call; and "labels", queries in all: D_0's, the loop's and,
+        where the loop needs a dataset for its safety policy, D_safe's. Of other runs the safety
+        policies exist only to measure. NaN from where a ledger lacks the number.
         """
         rows = self.ledgers.sort_values(STEP[:3], ignore_index=True)
         d_safe = rows[rows.run == D_SAFE].set_index("seed").queries
         d_0 = rows[rows.iteration == 0].set_index(["seed", "run"]).queries
-        summed = rows[["queries", "frames_driven", "frames_selected"]].assign(
-            by_reference=rows.takeover * rows.frames_driven
-        )
-        so_far = (summed.mul(rows.iteration > 0, axis=0)).groupby([rows.seed, rows.run]).cumsum()
+        kinds = rows.filter(like=FAILURE).columns
+        counted = rows[[*SUMMED, *kinds]].assign(by_reference=rows.takeover * rows.frames_driven)
+        so_far = _loops(rows, counted).cumsum(skipna=False)
         first = pd.MultiIndex.from_frame(rows[["seed", "run"]])
         needed = rows.run.map(lambda run: run in self.specs and self.specs[run].needs_d_safe)
         return rows.assign(
-            queries=so_far.queries,
-            frames_driven=so_far.frames_driven,
-            frames_selected=so_far.frames_selected,
+            **so_far[[*SUMMED, *kinds]],
+            scenarios=_loops(rows, rows[["scenarios"]]).cummax(skipna=False),
             takeover=so_far.by_reference / so_far.frames_driven,
+            call_length=so_far.frames_of_calls / so_far.calls,
             labels=d_0.reindex(first).to_numpy()
             + so_far.queries
             + d_safe.reindex(rows.seed).to_numpy() * needed,
@@ -157,6 +164,11 @@ def mean(table: pd.DataFrame, metric: Metric, **values: Any) -> float | None:
     """Of the rows of a table whose columns have these values; None where it is known of none."""
     known = among(table, **values)[metric.part].dropna() if len(table) else ()
     return fmean(known) if len(known) else None
+
+
+def _loops(rows: pd.DataFrame, counted: pd.DataFrame) -> Any:
+    """What is counted in `rows`, by seed and run, without what is outside the loop."""
+    return counted.where(rows.iteration > 0, 0).groupby([rows.seed, rows.run])
 
 
 def _sorted(tables: Iterable[pd.DataFrame]) -> pd.DataFrame:

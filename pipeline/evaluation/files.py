@@ -3,19 +3,32 @@
 import json
 from pathlib import Path
 
-from pydantic import BaseModel, TypeAdapter, ValidationError, create_model
+from pydantic import BaseModel, ConfigDict, TypeAdapter, ValidationError, create_model
 
 from pipeline.metric import QUALITY
 
 
 class Ledger(BaseModel):
-    """What `data.ledger` counts."""
+    """What `data.ledger` counts, with the failures of each kind by their names; None where older
+    ledgers lack it.
+    """
+
+    model_config = ConfigDict(extra="allow")
+    __pydantic_extra__: dict[str, int | None]
 
     frames_driven: int
     queries: int
     frames_selected: int
     frames_trained: int
     takeover: float
+    calls: int | None = None
+    frames_of_calls: int | None = None
+    switches: int | None = None
+    drives: int | None = None
+    scenarios: int | None = None
+    audits: int | None = None
+    put_back: int | None = None
+    failures: int | None = None
 
 
 Quality = create_model(

@@ -110,7 +110,7 @@ def around_takeovers(dataset: Dataset, ranked: Sequence[Takeover]) -> Iterator[E
 def ending(dataset: Dataset, episode: int) -> str:
     """Why the drive of an episode ended, to be added to a line; nothing where nobody knows it."""
     drives = dataset.drives
-    return f"; ended: {drives[episode]['ended']}" if drives else ""
+    return "" if drives.empty else f"; ended: {drives.ended[episode]}"
 
 
 def _check_episode(dataset: Dataset, only: int | None) -> None:

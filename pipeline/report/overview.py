@@ -5,21 +5,21 @@ from collections.abc import Iterator
 from pipeline.driving.metrics import METRICS
 from pipeline.evaluation.experiment import Experiment, mean
 from pipeline.evaluation.wording import written
-from pipeline.metric import SPENT
+from pipeline.metric import COLLECTED, SPENT
 from pipeline.report.tables import NAIVE, SAFE, failed, measured
 
 SHOWN = (("laps", NAIVE), ("laps", SAFE), ("takeover", SAFE))
-QUERIES = SPENT["queries"]
+COSTS = (SPENT["queries"], SPENT["labels"], COLLECTED["failures"])
 HEADER = (
     "Run",
     "Iteration",
     "Seeds",
     *(f"{METRICS[metric].title}, {strategy}" for metric, strategy in SHOWN),
     f"Failed, {NAIVE}",
-    QUERIES.title,
+    *(metric.title for metric in COSTS),
 )
 """Pairs are without / with traffic. Failed are drives that did not do all laps; queries are those of
-the loop so far, the mean over the seeds.
+the loop so far, failures what went wrong while it collected, means over the seeds.
 """
 
 
@@ -35,5 +35,8 @@ def overview(experiment: Experiment) -> Iterator[list[str]]:
                 ", ".join(map(str, experiment.seeds_of(run, iteration))),
                 *(measured(experiment, drives, *each) for each in SHOWN),
                 f"{short.sum()} of {len(short)}",
-                written(QUERIES, mean(experiment.spent, QUERIES, run=run, iteration=iteration)),
+                *(
+                    written(metric, mean(experiment.spent, metric, run=run, iteration=iteration))
+                    for metric in COSTS
+                ),
             ]

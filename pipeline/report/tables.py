@@ -4,7 +4,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 
 import pandas as pd
 
-from pipeline.driving.metrics import METRICS
+from pipeline.driving.metrics import KINDS, METRICS
 from pipeline.evaluation.comparison import Cell, estimate
 from pipeline.evaluation.drives import among
 from pipeline.evaluation.experiment import HELD_OUT, ROLLOUT, Experiment, Tables, mean
@@ -20,7 +20,7 @@ from pipeline.evaluation.wording import (
     table,
     written,
 )
-from pipeline.metric import QUALITY, SPENT, shown
+from pipeline.metric import COLLECTED, QUALITY, SPENT, Metric, shown
 from pipeline.rollout.strategies import DRIVING, Strategy
 
 NAIVE, SAFE, OPTIMAL = DRIVING
@@ -52,14 +52,13 @@ def driving(experiment: Experiment, metric: str) -> str:
 
 def cost(experiment: Experiment) -> str:
     """What the loop has cost so far, and what the reference labelled in all: means over the seeds."""
-    metrics = shown(SPENT, "tables").values()
+    return _so_far(experiment, SPENT)
 
-    def cells(run: str, iteration: int) -> Iterator[str]:
-        for metric in metrics:
-            found = mean(experiment.spent, metric, run=run, iteration=iteration)
-            yield written(metric, found)
 
-    return _by_iteration(experiment, experiment.runs, [each.title for each in metrics], cells)
+def collecting(experiment: Experiment) -> str:
+    """What the loop's drives took so far, and what became of them; empty where no ledger says so."""
+    counted = experiment.ledgers.calls.notna().any()
+    return _so_far(experiment, {**COLLECTED, **KINDS}) if counted else ""
 
 
 def safety(experiment: Experiment) -> str:
@@ -192,6 +191,17 @@ def _groups(experiment: Tables, drives: pd.DataFrame) -> list[pd.DataFrame]:
 
 def _part(ended: "pd.Series[bool]") -> str:
     return f"{ended.sum()} of {len(ended)}" if len(ended) else NOTHING
+
+
+def _so_far(experiment: Experiment, metrics: Mapping[str, Metric]) -> str:
+    """Of the loop up to each iteration."""
+    told = shown(metrics, "tables").values()
+
+    def cells(run: str, iteration: int) -> Iterator[str]:
+        for metric in told:
+            yield written(metric, mean(experiment.spent, metric, run=run, iteration=iteration))
+
+    return _by_iteration(experiment, experiment.runs, [each.title for each in told], cells)
 
 
 def _by_iteration(

@@ -97,9 +97,13 @@ def _write_rollout(folder: Path, d_0: Dataset, policies: list[Lineage]) -> None:
         random_episode(rng, 9, task=ALDER, iteration=1, episode=0),
         random_episode(rng, 8, task=BIRCH, iteration=1, episode=1),
     ]
-    endings = [{"episode": n, "ended": ended} for n, ended in enumerate(("road left", "budget"))]
+    endings = [
+        {"episode": n, "touches": 1.0, "off_road": 1.0 - n, "ended": ended, "put_back": 1 - n}
+        for n, ended in enumerate(("road left", "budget"))
+    ]
     driven = [replace(drive, ending=end) for drive, end in zip(driven, endings, strict=True)]
     arguments = {
+        "task": "driving",
         "iteration": 1,
         **JUDGED,
         "labels": LABELS | {"tau": 0.05, "measure": "steering-and-brake"},

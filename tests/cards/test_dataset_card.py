@@ -11,6 +11,7 @@ from huggingface_hub import DatasetCard
 from lerobot.datasets.utils import create_lerobot_dataset_card
 
 from pipeline.data.dataset import Dataset
+from pipeline.data.ledger import collected
 from pipeline.data.selecting import select
 from pipeline.driving.features import FEATURES
 from tests.cards.conftest import ALDER, BIRCH
@@ -119,6 +120,18 @@ def test_it_says_what_made_it_and_links_to_that(cards: Path) -> None:
     assert "drives:" not in merged
     for link in re.findall(r"\]\(([^)]+)\)", merged + driven):
         assert (cards / link).is_file()
+
+
+def test_it_says_what_its_drives_took_and_what_became_of_them(cards: Path) -> None:
+    """Of what was recorded in it: a dataset that was made from others knows no drives."""
+    card = (cards / "rollout_1.md").read_text()
+    counted = collected(Dataset.open(Path("datasets/rollout_1")))
+    names = ("drives", "scenarios", "calls", "switches", "audits")
+    assert [number(card, name) for name in names] == [counted[name] for name in names]
+    assert number(card, "put back") == number(card, "road left") == 1
+    assert (number(card, "touches"), number(card, "failures while collecting")) == (2, 3)
+    for name in ("D_0", "D_1", "new_1"):
+        assert "| calls |" not in (cards / f"{name}.md").read_text()
 
 
 def test_its_limits_are_those_of_its_data(cards: Path) -> None:

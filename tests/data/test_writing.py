@@ -55,8 +55,8 @@ def test_beside_it_stands_how_each_drive_ended(tmp_path: Path) -> None:
     rng = np.random.default_rng(0)
     episodes = [replace(random_episode(rng, 2, episode=n), ending=endings[n]) for n in (0, 1)]
     dataset = write(tmp_path / "D", episodes)
-    assert dataset.drives == [{k: str(v) for k, v in ending.items()} for ending in endings]
-    assert write(tmp_path / "E", [random_episode(rng, 2)]).drives == []
+    assert dataset.drives.to_dict("records") == endings
+    assert write(tmp_path / "E", [random_episode(rng, 2)]).drives.empty
     assert not (tmp_path / "E" / DRIVES).exists()
 
 

@@ -6,6 +6,7 @@ from typing import Any
 
 import pandas as pd
 
+from pipeline.driving.metrics import FAILURES
 from pipeline.evaluation.drives import among, table
 from pipeline.evaluation.experiment import D_SAFE, HELD_OUT, Experiment, Tables
 from pipeline.evaluation.files import ErrorShares
@@ -32,6 +33,8 @@ class Level:
     takeover: tuple[float, float] = (0.08, 0.2)
     """of safe"""
     queries: int = 3000
+    failures: int = 0
+    """while it collected: touches"""
     scatter: float = 0.0
     """by this share every number is above and below in turns, over the starts"""
 
@@ -168,6 +171,9 @@ def _step(seed: int, run: str, iteration: int, level: Level, starts: int) -> Tab
     )
     ledger = {"frames_driven": FRAMES, "queries": level.queries, "frames_selected": FRAMES}
     ledger |= {"frames_trained": FRAMES, "takeover": 0.3}
+    ledger |= {"calls": 60, "frames_of_calls": 300, "switches": 118, "drives": 4, "scenarios": 3}
+    ledger |= {"audits": 0, "put_back": 0, "failures": level.failures}
+    ledger |= {f"failures.{kind}": 0 for kind in FAILURES} | {"failures.touches": level.failures}
     nothing = dict.fromkeys(QUALITY, float("nan"))
     return Tables(
         drives=drives.assign(**at, **{"task.laps": 3.0}),

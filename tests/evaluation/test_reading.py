@@ -23,6 +23,8 @@ from pipeline.evaluation.reading import (
     read_scratch,
     read_thresholds,
 )
+from pipeline.evaluation.writing import write_rows
+from pipeline.metric import SPENT
 from pipeline.rollout.strategies import Strategy
 from tests.evaluation.sample import COMPARISON, drives, write_run
 
@@ -89,6 +91,26 @@ def test_what_was_spent_is_that_of_the_loop_so_far(tmp_path: Path) -> None:
     aside = found.specs["safedagger"].model_copy(update={"set_aside": 0.2})
     without = replace(found, specs={**found.specs, "safedagger": aside}).spent
     assert among(without, run="safedagger").labels.tolist() == [3600, 4700, 5500, 6000]
+
+
+def test_what_older_ledgers_did_not_count_is_unknown(tmp_path: Path) -> None:
+    """From there on; what newer ones count is summed, the failures of each kind by their names."""
+    folder = write_seed(tmp_path, 0)
+    counted = {"calls": 5, "failures": 3, "failures.touches": 2, "scenarios": 7}
+    for iteration in (1, 2):
+        path = folder / f"ledger_D_safedagger_{iteration}.json"
+        (row,) = json.loads(path.read_text())["rows"]
+        write_rows(path, row | counted, SPENT)
+    spent = read_experiment(tmp_path).spent.set_index("iteration").query("run == 'safedagger'")
+    for name, expected in (
+        ("calls", 10),
+        ("failures", 6),
+        ("failures.touches", 4),
+        ("scenarios", 7),
+    ):
+        assert spent[name][2] == expected
+        assert math.isnan(spent[name][3])
+    assert spent.queries.notna().all() and spent.put_back[1:].isna().all()
 
 
 def test_iteration_0_is_shared_unless_a_run_has_its_own(tmp_path: Path) -> None:

@@ -26,8 +26,10 @@ def test_a_row_a_step_with_what_it_came_to() -> None:
         "Takeover, safe": "5.0 % / 15.0 %",
         "Failed, naive": "48 of 48",
         "Queries so far": "3,000",
+        "Labels in all": "11,600",
+        "Failures while collecting": "0",
     }
-    assert rows[3][6:] == ["0 of 48", "7,000"]
+    assert rows[3][6:] == ["0 of 48", "7,000", "15,600", "0"]
 
 
 def test_what_was_not_driven_has_no_number() -> None:

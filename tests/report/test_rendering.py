@@ -123,8 +123,8 @@ def test_what_is_missing_is_named() -> None:
     found = undriven(found, **cut, condition="traffic", scenario="yew")
     found = section(report(found, errors={}), "What is missing").strip().splitlines()
     assert found == [
-        "- DAgger: no results, hence no verdict on 4 claims.",
-        "- supervised: no results, hence no verdict on 1 claim.",
+        "- DAgger: no results, hence no verdict on 6 claims.",
+        "- supervised: no results, hence no verdict on 2 claims.",
         "- SafeDAgger, seed 1: no iteration 2, 3.",
         "- SafeDAgger, 1 s ahead (last), seed 1: no results.",
         "- SafeDAgger, 1 s ahead (max), seed 0, iteration 1: 8 of 12 drives of safe, with traffic.",

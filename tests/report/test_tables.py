@@ -1,5 +1,6 @@
 """Each table holds the numbers of its inputs."""
 
+import math
 from dataclasses import replace
 
 import pytest
@@ -35,6 +36,7 @@ TABLES = {
     "Switches per lap, safe": 1,
     "Frames of a takeover, safe": 1,
     "Queries so far": 5,
+    "Calls": 11,
 }
 
 
@@ -99,6 +101,31 @@ def test_the_cost_is_that_of_the_loop_and_the_mean_over_the_seeds() -> None:
     # its safety policies, and hence D_safe, exist only to measure
     assert found["DAgger", "0"][:2] == ["0", "3,000"]
     assert found["DAgger", "3"][:2] == ["35,000", "38,000"]
+
+
+def test_what_collecting_took_is_that_of_the_loop_and_the_mean_over_the_seeds() -> None:
+    changes = {
+        "calls": lambda of: 10 * of.iteration + of.seed,
+        "scenarios": lambda of: of.iteration.map({0: 9, 1: 3, 2: 7, 3: 5}),
+        "failures": lambda of: of.seed * (of.iteration == 2),
+    }
+    made_up = reckoned(experiment({"safedagger": GROWING}, seeds=2), changes)
+    found = rows(report(made_up), "Calls")
+    none = ["0", "0", "0", "0"]
+    assert found["SafeDAgger", "0"] == ["0", "0", "0", "-", "0", *none, "0", "0"]
+    assert found["SafeDAgger", "1"] == ["4", "3", "10", "28.6", "118", *none, "0", "0"]
+    assert found["SafeDAgger", "3"][:5] == ["12", "7", "62", "14.6", "354"]
+    assert found["SafeDAgger", "3"][7] == "0.5"
+
+
+def test_what_a_ledger_did_not_count_is_a_dash_from_there_on() -> None:
+    made_up = experiment({"safedagger": GROWING})
+    older = reckoned(made_up, {"calls": math.nan, "failures": math.nan}, iteration=2)
+    found = rows(report(older), "Calls")
+    assert [found["SafeDAgger", str(i)][2] for i in range(4)] == ["0", "60", "-", "-"]
+    assert [found["SafeDAgger", str(i)][7] for i in range(4)] == ["0", "0", "-", "-"]
+    nowhere = report(reckoned(made_up, {"calls": math.nan}))
+    assert "| Calls |" not in nowhere and "| Queries so far |" in nowhere
 
 
 def test_the_safety_policies_on_held_out_frames_and_in_the_next_rollout() -> None:

@@ -80,6 +80,7 @@ class Pendulum(Task):
     features: ClassVar[Mapping[str, Feature]] = features_of(
         SEEN, DONE, seen=("cosine", "sine", "speed [rad/s]"), does=("acceleration [30 rad/s^2]",)
     )
+    failures: ClassVar[Mapping[str, str]] = {"hangs": "upright == 0"}
 
     length: Annotated[float, Setting("Of the pendulum [m].", 0)]
 

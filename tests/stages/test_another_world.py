@@ -110,8 +110,8 @@ def test_what_is_collected_is_the_tasks(house: Path) -> None:
     state = d_0.columns(["observation.state"])["observation.state"]
     assert state.shape == (len(d_0), 3) and np.isfinite(state).all()
     assert d_0.lineage.own.arguments["length"] == 1.5
-    assert [drive["ended"] for drive in d_0.drives] == ["out of time"] * 4
-    assert {drive["upright"] for drive in d_0.drives} <= {"0.0", "1.0"}
+    assert d_0.drives.ended.tolist() == ["out of time"] * 4
+    assert set(d_0.drives.upright) <= {0.0, 1.0}
 
 
 def test_what_was_asked_is_what_was_selected_merged_and_counted(house: Path) -> None:
@@ -122,6 +122,8 @@ def test_what_was_asked_is_what_was_selected_merged_and_counted(house: Path) -> 
     assert 0 < queries == len(new) == len(after) - len(before)
     (ledger,) = json.loads((house / "ledger_1.json").read_text())["rows"]
     assert (ledger["queries"], ledger["frames_driven"]) == (queries, len(driven))
+    hanging = int((driven.drives.upright == 0).sum())
+    assert ledger["failures"] == ledger["failures.hangs"] == hanging > 0
     deviation = driven.column("deviation")
     actions = driven.columns(["action", "primary_action"])
     apart = (actions["action"] - actions["primary_action"])[:, 0] ** 2

@@ -264,8 +264,15 @@ def test_what_nobody_asked_is_selected_merged_and_counted(
     steps = {
         ("select", "rollout_1", "new_1"): "new_1: 0 episodes, 0 frames, 0 queries",
         ("merge", "D_0", "new_1", "D_1"): "D_1: 1 episodes, 3 frames, 3 queries",
-        ("ledger", "rollout_1", "D_1", "--metrics", "ledger.json"): "ledger.json: frames_driven 4, "
-        "queries 0, frames_selected 0, frames_trained 3, takeover 0",
+        (
+            "ledger",
+            "rollout_1",
+            "D_1",
+            "--metrics",
+            "ledger.json",
+        ): "ledger.json: 4 frames of 1 drives "
+        "in 1 scenarios; 0 queries, 0 of them audits; 0 calls of the reference for 0 frames, 0 switches; "
+        "0 frames selected, 3 trained on",
         ("inspect", "D_1", "--save", "D_1.rrd"): "D_1.rrd: open it with `rerun D_1.rrd`",
     }
     for command, last in steps.items():

@@ -219,8 +219,8 @@ def test_it_is_collected_into_a_dataset(safedagger: Command, tmp_path: Path) -> 
     code, _, error = safedagger("collect", place, *options({"--tasks": f"{BUTTON},reach-v3"}))
     assert (code, error) == (0, "")
     dataset = Dataset.open(place)
-    assert [drive["ended"] for drive in dataset.drives] == ["success"] * 2
-    assert [(drive["success"], drive["put_back"]) for drive in dataset.drives] == [("1.0", "0")] * 2
+    assert dataset.drives.ended.tolist() == ["success"] * 2
+    assert dataset.drives[["success", "put_back"]].values.tolist() == [[1, 0]] * 2
     assert dataset.tasks == ["Press a button from the top", "Reach a goal position"]
     assert (dataset.fps, dataset.info["robot_type"]) == (80, "sawyer")
     theirs = LeRobotDataset("local/D_0", root=place, video_backend="pyav")
