@@ -30,7 +30,7 @@ def train_primary(
     """Train a primary to imitate the reference (lines 3, 9)."""
     from pipeline.data.dataset import Dataset
     from pipeline.data.images import read_all
-    from pipeline.data.labels import check_labels
+    from pipeline.data.labels import labelled, told
     from pipeline.data.lineage import Recipe
     from pipeline.learning.training import train_primary as train
     from pipeline.output import check_place, new_directory
@@ -43,14 +43,16 @@ def train_primary(
         learned = Dataset.open(dataset)
         features = policy.learned(learned.features)
         learned.require(features)
-        check_labels(learned)
+        rows, run = labelled(learned)
+        for line in told(learned):
+            typer.echo(line)
         start = load_primary(initial).state_dict() if initial else None
         with options.epochs(settings.samples, curve) as on_epoch:
             network, measured = train(
                 policy,
                 features,
-                read_all(learned, features),
-                learned.episode_index,
+                read_all(learned, features, rows),
+                run,
                 settings,
                 initial=start,
                 device=computes,
@@ -60,4 +62,4 @@ def train_primary(
         parents = [learned.lineage, *([policy_lineage(initial)] if initial else [])]
         recipe = Recipe("primary", options.arguments(context), parents)
         recipe.lineage(weights_sha256(folder)).write(folder)
-    typer.echo(f"{output}: trained on {len(learned)} frames, {options.figures(measured)}")
+    typer.echo(f"{output}: trained on {len(run)} frames, {options.figures(measured)}")

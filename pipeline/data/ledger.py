@@ -4,6 +4,8 @@ Everything is counted from columns. A frame is a row: whoever drives is asked on
 action is held for the control steps that the row stands for.
 """
 
+from itertools import compress
+
 from pipeline.data.dataset import Dataset
 from pipeline.data.identity import identities
 
@@ -20,12 +22,12 @@ def count(raw: Dataset, aggregate: Dataset) -> dict[str, int | float]:
     Returns:
         "frames_driven".
         "queries": frames for which the reference was asked for an action to drive or to train with.
-        "frames_selected": frames driven that the aggregate has taken in.
-        "frames_trained": frames of the aggregate.
+        "frames_selected": frames driven whose labels the aggregate has taken in.
+        "frames_trained": labelled frames of the aggregate: context around them is not trained on.
         "takeover": share of the driven frames in which the reference drove, [0, 1].
     """
     driven = raw.columns(["intervention", "queried"])
-    trained = identities(aggregate)
+    trained = list(compress(identities(aggregate), aggregate.column("queried")))
     kept = set(trained)
     return {
         "frames_driven": len(driven["queried"]),
