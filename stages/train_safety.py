@@ -40,6 +40,7 @@ def train_safety(
 
     from pipeline.data.dataset import Dataset
     from pipeline.data.identity import refuse_shared
+    from pipeline.data.labels import told
     from pipeline.data.lineage import Recipe
     from pipeline.evaluation.writing import write_rows
     from pipeline.learning.labels import LabelRule, safe_labels
@@ -68,6 +69,8 @@ def train_safety(
     )
     with new_directory(output) as folder:
         refuse_shared(own_data, safe_data)
+        for line in told(safe_data) + told(own_data):
+            typer.echo(line)
         judged = partial(judge, network, rule=LabelRule.of(vars(config)))
         unseen = judged(safe_data)
         rng = np.random.default_rng(settings.seed)
