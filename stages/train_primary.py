@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from pipeline.learning.settings import Optimisation
+from pipeline.registry import LESSONS
 from stages import options
 
 if TYPE_CHECKING:
@@ -42,7 +43,11 @@ def train_primary(
     with new_directory(output) as folder:
         learned = Dataset.open(dataset)
         features = policy.learned(learned.features)
-        learned.require(features)
+        try:
+            learned.require(features)
+        except ValueError as error:
+            kinds = f"--policy {policy.name}; there are {', '.join(LESSONS)}"
+            raise ValueError(f"{error} ({kinds})") from None
         rows, run = labelled(learned)
         for line in told(learned):
             typer.echo(line)
