@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from pipeline.learning.settings import Optimisation
+from pipeline.registry import LESSONS
 from stages import options
 
 if TYPE_CHECKING:
@@ -30,7 +31,7 @@ def train_primary(
     """Train a primary to imitate the reference (lines 3, 9)."""
     from pipeline.data.dataset import Dataset
     from pipeline.data.images import read_all
-    from pipeline.data.labels import check_labels
+    from pipeline.data.labels import labelled, told
     from pipeline.data.lineage import Recipe
     from pipeline.learning.training import train_primary as train
     from pipeline.output import check_place, new_directory
@@ -42,15 +43,21 @@ def train_primary(
     with new_directory(output) as folder:
         learned = Dataset.open(dataset)
         features = policy.learned(learned.features)
-        learned.require(features)
-        check_labels(learned)
+        try:
+            learned.require(features)
+        except ValueError as error:
+            kinds = f"--policy {policy.name}; there are {', '.join(LESSONS)}"
+            raise ValueError(f"{error} ({kinds})") from None
+        rows, run = labelled(learned)
+        for line in told(learned):
+            typer.echo(line)
         start = load_primary(initial).state_dict() if initial else None
         with options.epochs(settings.samples, curve) as on_epoch:
             network, measured = train(
                 policy,
                 features,
-                read_all(learned, features),
-                learned.episode_index,
+                read_all(learned, features, rows),
+                run,
                 settings,
                 initial=start,
                 device=computes,
@@ -60,4 +67,4 @@ def train_primary(
         parents = [learned.lineage, *([policy_lineage(initial)] if initial else [])]
         recipe = Recipe("primary", options.arguments(context), parents)
         recipe.lineage(weights_sha256(folder)).write(folder)
-    typer.echo(f"{output}: trained on {len(learned)} frames, {options.figures(measured)}")
+    typer.echo(f"{output}: trained on {len(run)} frames, {options.figures(measured)}")

@@ -51,6 +51,7 @@ def train_safety(
 
     from pipeline.data.dataset import Dataset
     from pipeline.data.identity import refuse_shared
+    from pipeline.data.labels import told
     from pipeline.data.lineage import Recipe
     from pipeline.evaluation.writing import write_rows
     from pipeline.learning.labels import LabelRule, safe_labels
@@ -81,6 +82,8 @@ def train_safety(
     with new_directory(output) as folder:
         for one, another in combinations([own_data, safe_data, *audited], 2):
             refuse_shared(one, another)
+        for line in [line for each in (safe_data, own_data, *audited) for line in told(each)]:
+            typer.echo(line)
         judged = partial(judge, network, rule=LabelRule.of(vars(config)))
         unseen = judged(safe_data)
         rng = np.random.default_rng(settings.seed)

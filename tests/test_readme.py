@@ -58,6 +58,7 @@ AUDITS = [
     for heading in ("What a safety policy misses", "Learning from audits", "Without D_safe")
 ]
 CALM = ("audits", "Calmer handovers")
+CONTEXT = ("datasets", "Context")
 
 
 def test_every_command_of_the_pages_is_run_here() -> None:
@@ -72,6 +73,7 @@ def test_every_command_of_the_pages_is_run_here() -> None:
         ACT,
         SHAPE,
         PIPELINE,
+        CONTEXT,
         *AUDITS,
         CALM,
     ]
@@ -159,6 +161,23 @@ def test_lerobots_loader_opens_a_dataset_as_the_page_shows(
     assert len(known["dataset"]) > 0
 
 
+def test_context_is_masked_as_the_page_shows(
+    by_hand: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """What is left of a chunk is what the reference did, frame by frame."""
+    monkeypatch.chdir(by_hand)
+    (command,) = commands(*CONTEXT)
+    typed(*command)
+    (code,) = python(*CONTEXT)
+    known: dict = {}
+    exec(code, known)
+    rows, batch = known["dataset"].hf_dataset.with_format(None), known["batch"]
+    for n, index in enumerate(batch["index"].tolist()):
+        end = known["dataset"].meta.episodes[int(batch["episode_index"][n])]["dataset_to_index"]
+        labels = rows[index : min(index + 16, end)]["queried"]
+        assert (~batch["action_is_pad"][n]).tolist() == [*labels, *[False] * (16 - len(labels))]
+
+
 def test_the_demo_films_and_records_a_drive(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -200,12 +219,8 @@ def test_a_dataset_of_ones_own(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) 
     monkeypatch.chdir(tmp_path)
     camera = CAMERAS[:1]
     for seed, name in enumerate(("demos", "more_demos"), 1):
-        path = Path("theirs/teleoperated") / name
-        foreign(path, videos=False, cameras=camera, watched=False, seed=seed)
+        foreign(Path("theirs") / name, videos=False, cameras=camera, watched=False, seed=seed)
     foreign(Path("theirs/rollout"), videos=False, cameras=camera)
-    monkeypatch.setenv("HF_HUB_OFFLINE", "1")
-    (code,) = python(*DATASET)
-    exec(code, {})
     for command in commands(*DATASET):
         typed(*command)
     demos, corrected = (Dataset.open(Path("theirs") / name) for name in ("demos", "D_1"))

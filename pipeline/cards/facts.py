@@ -30,6 +30,8 @@ def dataset_facts(dataset: Dataset) -> dict[str, Any]:
         "offset": [m] from the middle of the lane, and "angle": [rad] to the lane, at most, in half and
             in 95 % of the frames; None without any.
         "cut_out": episodes that begin within a drive; "single": of one frame.
+        "length": frames in an episode, and "ahead": actions from a frame to the end of its episode,
+            its own counted; the medians, None without any.
         "columns": name, type and shape of each, and in how many frames it is NaN, "unknown".
 
     Raises:
@@ -53,7 +55,8 @@ def dataset_facts(dataset: Dataset) -> dict[str, Any]:
     def by(keys: NDArray) -> list[dict[str, Any]]:
         return [{"name": key, **counted(keys == key)} for key in np.unique(keys).tolist()]
 
-    firsts = [start for start, _ in dataset.bounds]
+    firsts, ends = np.array(dataset.bounds, int).reshape(-1, 2).T
+    ahead = np.repeat(ends, dataset.lengths) - np.arange(len(dataset))
     return {
         "name": dataset.path.name,
         "fps": dataset.fps,
@@ -72,6 +75,8 @@ def dataset_facts(dataset: Dataset) -> dict[str, Any]:
         "braking": int((columns["action"][:, 1] > 0).sum()),
         "cut_out": int((columns["source.frame"][firsts, 0] > 0).sum()),
         "single": int((dataset.lengths == 1).sum()),
+        "length": _median(dataset.lengths),
+        "ahead": _median(ahead),
         "columns": [
             {
                 "name": name,
@@ -101,6 +106,10 @@ def _unsafe(dataset: Dataset, columns: dict[str, NDArray]) -> dict[str, Any]:
 def _within(amount: NDArray[np.floating]) -> list[float] | None:
     """The sizes that half and that 95 % of `amount` [N] do not exceed."""
     return np.quantile(np.abs(amount), (0.5, 0.95)).tolist() if len(amount) else None
+
+
+def _median(numbers: NDArray[np.int64]) -> float | None:
+    return float(np.median(numbers)) if len(numbers) else None
 
 
 def _unknown(values: NDArray | None) -> int:

@@ -93,6 +93,13 @@ class Dataset:
         return self.features | {n: of for n, of in core.items() if n not in self.features}
 
     @property
+    def is_demonstrated(self) -> bool:
+        """Whether it has no core column but `action`: as somebody recorded who drove it all, so that
+        `intervention` and `queried` are true in each row.
+        """
+        return not any(name in self.features for name in CORE if name != "action")
+
+    @property
     def bounds(self) -> list[tuple[int, int]]:
         """Of each episode the first of its rows and the one after its last."""
         stops = np.cumsum(self.lengths)
@@ -169,8 +176,8 @@ class Dataset:
         """All rows of the columns `names`, which are no pictures: [N, *shape], of their own dtype.
 
         Of a core column that the dataset lacks: where nobody wrote down what was `queried`, it is
-        what the reference drove (`intervention`); `source.*` is the row's place here; else see
-        `missing_value`.
+        what the reference drove (`intervention`), or all where nobody wrote down that either, see
+        `is_demonstrated`; `source.*` is the row's place here; else see `missing_value`.
 
         Raises:
             ValueError: there is no such column.
@@ -211,6 +218,8 @@ class Dataset:
         feature = self.with_core[name]
         shape, missing = (len(self), *feature["shape"]), missing_value(feature)
         values = np.full(shape, missing, column_dtype(feature))
+        if name in ("intervention", "queried") and self.is_demonstrated:
+            return np.ones(shape, bool)
         if name == "queried" and self.has("intervention"):
             return self.columns(["intervention"])["intervention"]
         if name == "asked_because":

@@ -12,7 +12,6 @@ from typing import Any
 
 import cv2
 import numpy as np
-import pyarrow.parquet as pq
 from numpy.typing import NDArray
 
 from pipeline.data.dataset import Dataset
@@ -69,37 +68,44 @@ class StoredImages:
         return self._pool.map(self._decode, [self._files[row] for row in rows])
 
 
-def read_images(dataset: Dataset, camera: str) -> Images | StoredImages:
-    """All images of a camera, uint8 [N, H, W, C] (RGB), rows in order; those that are no videos are
-    decoded when they are asked for.
+def read_images(
+    dataset: Dataset, camera: str, rows: Sequence[tuple[int, int]] | None = None
+) -> Images | StoredImages:
+    """Images of a camera, uint8 [N, H, W, C] (RGB); those that are no videos are decoded when they
+    are asked for. Of all rows, or from each (start, stop) of `rows`, as `Dataset.tables` takes them.
 
     Raises:
         ValueError: there is no such camera.
     """
     shape = _shape(dataset, camera)
+    rows = dataset.bounds if rows is None else rows
     if dataset.features[camera]["dtype"] == "video":
-        images = np.empty((len(dataset), *shape), np.uint8)
-        parts = read_pictures(dataset, camera, dataset.bounds)
-        for (start, stop), part in zip(dataset.bounds, parts, strict=True):
-            images[start:stop] = part
+        images = np.empty((sum(stop - start for start, stop in rows), *shape), np.uint8)
+        filled = 0
+        for part in read_pictures(dataset, camera, rows):
+            images[filled : filled + len(part)] = part
+            filled += len(part)
         return images
-    files = [
-        png
-        for file in dataset.data_files
-        for png in pngs(pq.ParquetFile(file).read([camera])[camera])
-    ]
+    files = [png for table in dataset.tables(rows, [camera]) for png in pngs(table[camera])]
     return StoredImages(f"{dataset.path}: {camera}", files, shape)
 
 
-def read_all(dataset: Dataset, names: Iterable[str]) -> dict[str, Any]:
-    """All rows of some columns, pictures among them: arrays [N, *shape] by name, or `StoredImages`.
+def read_all(
+    dataset: Dataset, names: Iterable[str], rows: Sequence[tuple[int, int]] | None = None
+) -> dict[str, Any]:
+    """Some columns, pictures among them: arrays [N, *shape] by name, or `StoredImages`; of all rows,
+    or as `read_images`.
 
     Raises:
         ValueError: there is no such column.
     """
     names = list(names)
     numbers = dataset.columns(name for name in names if name not in dataset.cameras)
-    return {n: numbers[n] if n in numbers else read_images(dataset, n) for n in names}
+    kept = slice(None) if rows is None else np.concatenate([np.arange(*each) for each in rows])
+    return {
+        name: numbers[name][kept] if name in numbers else read_images(dataset, name, rows)
+        for name in names
+    }
 
 
 def read_some_images(dataset: Dataset, camera: str, rows: Sequence[int]) -> list[Images]:

@@ -6,6 +6,7 @@ in each, and its action is held for the control steps that the row stands for.
 """
 
 from collections.abc import Mapping
+from itertools import compress
 from typing import cast
 
 import numpy as np
@@ -30,8 +31,8 @@ def count(raw: Dataset, aggregate: Dataset) -> dict[str, int | float | None]:
     Returns:
         "frames_driven".
         "queries": frames for which the reference was asked for an action to drive or to train with.
-        "frames_selected": frames driven that the aggregate has taken in.
-        "frames_trained": frames of the aggregate.
+        "frames_selected": frames driven whose labels the aggregate has taken in.
+        "frames_trained": labelled frames of the aggregate: context around them is not trained on.
         "takeover": share of the driven frames in which the reference drove, [0, 1].
         And what `collected` counts.
 
@@ -39,7 +40,7 @@ def count(raw: Dataset, aggregate: Dataset) -> dict[str, int | float | None]:
         ValueError: nobody knows the task that was driven.
     """
     driven = raw.columns(["intervention", "queried"])
-    trained = identities(aggregate)
+    trained = list(compress(identities(aggregate), aggregate.column("queried")))
     kept = set(trained)
     return {
         "frames_driven": len(driven["queried"]),

@@ -3,9 +3,11 @@ DAgger, a uniform sample of all that it was asked about (Sec. 4.2); or what is s
 run of neighbours is an episode.
 """
 
+import math
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 
 from pipeline.data.assembling import assemble
 from pipeline.data.dataset import Dataset
@@ -16,25 +18,58 @@ from pipeline.data.writing import Summary
 from pipeline.output import new_directory
 
 
-def select(dataset: Dataset, output: Path, because: Asked = Asked.DROVE) -> Summary:
+def select(
+    dataset: Dataset,
+    output: Path,
+    because: Asked = Asked.DROVE,
+    *,
+    before: float = 0,
+    after: float = 0,
+) -> Summary:
     """Write the rows for which the reference was asked `because`, as the dataset `output`; there may
     be none.
 
     Where nobody wrote down what was `queried`, it is what the reference drove: `intervention`; and
     where nobody wrote down why, it drove.
 
+    Args:
+        dataset: as it was driven.
+        output: must not exist.
+        before: >= 0 [s], and
+        after: how much of an episode is kept around each as context. It stays what it was: not
+            `queried`, and `action` is the primary's own. What was asked for another reason is none.
+
     Raises:
         FileExistsError: `output` exists.
-        ValueError: the dataset tells neither.
+        ValueError: the dataset tells neither; a time is below 0 or without end.
     """
+    context = {"before": before, "after": after}
+    for name, seconds in context.items():
+        if not 0 <= seconds < math.inf:
+            raise ValueError(f"{name} is {seconds}, expected seconds, 0 or more")
     if not (dataset.has("queried") or dataset.has("intervention")):
         raise ValueError(
             f"{dataset.path}: has neither a column 'queried' nor 'intervention', "
             "expected one that tells which frames the reference was asked about"
         )
+    asked = dataset.column("queried")
+    rows = asked & (dataset.column("asked_because") == because)
+    frames = {name: round(seconds * dataset.fps) for name, seconds in context.items()}
+    kept = rows | (_around(dataset, rows, **frames) & ~asked)
     told = {} if because is Asked.DROVE else {"because": because.name.lower()}
-    rows = dataset.column("queried") & (dataset.column("asked_because") == because)
-    return _keep(dataset, rows, output, Recipe("select", told))
+    told_of_context = {name: seconds for name, seconds in context.items() if seconds}
+    return _keep(dataset, kept, output, Recipe("select", {**told, **told_of_context}))
+
+
+def _around(
+    dataset: Dataset, rows: NDArray[np.bool_], before: int, after: int
+) -> NDArray[np.bool_]:
+    """[N], the chosen `rows` [N] and so many before and after each, in the same episode."""
+    kept, bounds = rows.copy(), dataset.bounds
+    for piece in chosen(dataset, rows):
+        first, end = bounds[piece.episode]
+        kept[max(piece.start - before, first) : min(piece.stop + after, end)] = True
+    return kept
 
 
 def sample(dataset: Dataset, output: Path, frames: int, seed: int) -> Summary:

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from pipeline.data.dataset import Dataset
 from pipeline.data.images import read_all
-from pipeline.data.labels import check_labels
+from pipeline.data.labels import labelled
 from pipeline.learning.labels import LabelRule
 from pipeline.policies.inference import propose
 from pipeline.policies.network import Actor
@@ -51,7 +51,7 @@ class Judged:
 
 
 def judge(primary: Actor, dataset: Dataset, *, rule: LabelRule) -> Judged:
-    """Run a primary over a dataset whose every frame carries the reference's action.
+    """Run a primary over the frames of a dataset that carry the reference's action.
 
     Args:
         primary: a trained primary network.
@@ -59,16 +59,17 @@ def judge(primary: Actor, dataset: Dataset, *, rule: LabelRule) -> Judged:
         rule: what counts as a deviation.
 
     Raises:
-        ValueError: another robot's dataset, or frames in it that the reference was not asked about.
+        ValueError: another robot's dataset, or one without a label of the reference.
     """
     dataset.require({**primary.seen, "action": primary.action})
-    check_labels(dataset)
-    columns = read_all(dataset, ["action", *primary.seen])
+    rows, run = labelled(dataset)
+    columns = read_all(dataset, ["action", *primary.seen], rows)
     actions = columns["action"]
     proposed, features = propose(primary, columns)
-    epsilon = rule.deviation(proposed, actions, dataset.episode_index, dataset.fps)
-    asked = np.nan_to_num(dataset.column("ask_probability").astype(float), nan=1.0)
-    return Judged(features, epsilon, dataset.episode_index, 1 / asked.clip(1 / MOST))
+    epsilon = rule.deviation(proposed, actions, run, dataset.fps)
+    probability = dataset.column("ask_probability")[dataset.column("queried")]
+    asked = np.nan_to_num(probability.astype(float), nan=1.0)
+    return Judged(features, epsilon, run, 1 / asked.clip(1 / MOST))
 
 
 def held_out_episodes(judged: Judged, share: float, rng: np.random.Generator) -> NDArray[np.bool_]:

@@ -9,6 +9,8 @@ import numpy as np
 import pytest
 from huggingface_hub import DatasetCard
 from lerobot.datasets.utils import create_lerobot_dataset_card
+from lerobot.policies.act.configuration_act import ACTConfig
+from lerobot.policies.diffusion.configuration_diffusion import DiffusionConfig
 
 from pipeline.data.dataset import Dataset
 from pipeline.data.ledger import collected
@@ -144,6 +146,35 @@ def test_its_limits_are_those_of_its_data(cards: Path) -> None:
     assert "`action` is the reference's in every frame." in limits["new_1"]
     assert "begin within a drive" in limits["new_1"]
     assert "`primary_action` in 7, `safe_probability` in 7, `deviation` in 7" in limits["D_1"]
+
+
+def test_it_warns_whoever_trains_policies_that_predict_chunks(
+    house: Path, make_cards: Callable[..., Path]
+) -> None:
+    """Of episodes of 1, 120 and 120 frames, half of the frames have at most 60 left."""
+    drives = [random_episode(np.random.default_rng(3), n, task=ALDER) for n in (1, 120, 120)]
+    write(house / "datasets" / "long", drives, "rollout")
+    folder = make_cards("other") / "datasets"
+    cards = {name: (folder / f"{name}.md").read_text() for name in ("long", "new_1")}
+    assert number(cards["long"], "frames in an episode, median") == 120
+    assert "| episodes of a single frame | 1 | 33.3 % |" in cards["long"]
+    assert "half of the frames have at most 60 left in their episode" in cards["long"]
+    chunks = ACTConfig().chunk_size, DiffusionConfig().horizon
+    told = "LeRobot's ACT takes {} (`--policy.chunk_size`, `--policy.n_action_steps`), its diffusion {}"
+    assert told.format(*chunks) in cards["long"]
+    assert "--before 1 --after 1" in cards["new_1"] and "--before" not in cards["long"]
+
+
+def test_of_context_it_says_that_it_is_no_label(
+    house: Path, make_cards: Callable[..., Path]
+) -> None:
+    raw = Dataset.open(house / "datasets" / "rollout_1")
+    select(raw, house / "datasets" / "around", after=0.5)
+    card = (make_cards("other") / "datasets" / "around.md").read_text()
+    assert "What lay up to 0 s before and 0.5 s after is kept around them as context." in card
+    assert "safedagger select --after 0.5\n" in card
+    assert number(card, "queries") == raw.column("queried").sum() < number(card, "frames")
+    assert "`queried` is false there, and our trainings pass over them" in card
 
 
 def test_the_columns_mean_what_the_page_says(cards: Path) -> None:

@@ -10,11 +10,14 @@ from hypothesis import strategies as st
 from pipeline.data.blocks import GROUP, row_groups
 from pipeline.data.dataset import Dataset
 from pipeline.data.images import read_episodes
+from pipeline.data.ledger import count
+from pipeline.data.merging import merge
 from pipeline.data.pieces import chosen, runs
 from pipeline.data.schema import Asked, Episode
 from pipeline.data.selecting import sample, select, split
 from pipeline.data.stored import pngs
 from pipeline.driving.features import CAMERA, FEATURES
+from tests.data.conftest import tree
 from tests.data.spoiling import copy, drop_column, set_last_image
 from tests.episodes import random_episode, write
 
@@ -72,6 +75,59 @@ def test_what_was_audited_is_selected_apart(tmp_path: Path) -> None:
         assert new.column("source.frame").tolist() == frames
         assert new.column("queried").all()
     assert new.lineage.own.arguments == {"because": "mixture"}
+
+
+def test_context_is_kept_as_it_was_and_joins_what_overlaps(tmp_path: Path) -> None:
+    """At 10 frames per second, 0.2 s before and 0.1 s after, within an episode."""
+    drives = [random_episode(np.random.default_rng(0), 10, episode=n) for n in (0, 1)]
+    for drive, asked in zip(drives, ((0, 5, 6, 9), (3,)), strict=True):
+        for name in ("intervention", "queried"):
+            drive.columns[name][:, 0] = np.isin(np.arange(10), asked)
+        drive.columns["asked_because"][:] = np.where(drive.columns["queried"], 0, -1)
+    rollout = write(tmp_path / "rollout", drives)
+    summary = select(rollout, tmp_path / "new", before=0.2, after=0.1)
+    assert (summary.episodes, summary.frames, summary.queries) == (3, 2 + 7 + 4, 5)
+    new = Dataset.open(tmp_path / "new")
+    assert new.lineage.own.arguments == {"before": 0.2, "after": 0.1}
+    kept = new.columns(["source.frame", "queried", "asked_because"])
+    assert kept["source.frame"][:, 0].tolist() == [0, 1, *range(3, 10), *range(1, 5)]
+    assert new.lengths.tolist() == [2, 7, 4]
+    np.testing.assert_array_equal(kept["queried"], kept["asked_because"] == Asked.DROVE)
+    rows = 10 * new.column("source.episode") + new.column("source.frame")
+    for name in ("action", "primary_action", "queried", "intervention"):
+        np.testing.assert_array_equal(
+            new.columns([name])[name], rollout.columns([name])[name][rows]
+        )
+
+
+def test_context_costs_nothing_and_is_merged_as_context(
+    d_0: Dataset, rollout_1: Dataset, tmp_path: Path
+) -> None:
+    ledgers = []
+    for seconds in (0, 0.1):
+        new, merged = (tmp_path / f"{name}_{seconds}" for name in ("new", "D_1"))
+        select(rollout_1, new, before=seconds, after=seconds)
+        merge([d_0, Dataset.open(new)], merged)
+        ledgers.append(count(rollout_1, Dataset.open(merged)))
+    asked = rollout_1.column("queried").sum()
+    assert ledgers[0] == ledgers[1]
+    assert ledgers[0]["queries"] == ledgers[0]["frames_selected"] == asked
+    both = Dataset.open(merged)
+    assert len(both) > len(d_0) + asked == both.column("queried").sum()
+
+
+def test_without_context_the_bytes_are_the_same(rollout_1: Dataset, tmp_path: Path) -> None:
+    select(rollout_1, tmp_path / "new")
+    select(rollout_1, tmp_path / "too", before=0.0, after=0)
+    assert tree(tmp_path / "new") == tree(tmp_path / "too")
+
+
+@pytest.mark.parametrize("seconds", [-0.1, np.nan, np.inf])
+def test_context_is_a_time(rollout_1: Dataset, tmp_path: Path, seconds: float) -> None:
+    for name in ("before", "after"):
+        with pytest.raises(ValueError, match=f"^{name} is {seconds}, expected seconds, 0 or more"):
+            select(rollout_1, tmp_path / "new", **{name: seconds})
+    assert list(tmp_path.iterdir()) == []
 
 
 def test_pictures_pass_through_unseen(rollout_1: Dataset, tmp_path: Path) -> None:
@@ -189,3 +245,16 @@ def test_whole_episodes_are_set_aside(tmp_path: Path, share: float, count: int) 
         assert sorted([*numbers[0], *numbers[1]]) == [0, 1, 2, 3]
         assert len(rest) + len(aside) == len(d_0)
     assert aside.lineage.own.arguments["part"] == "set aside"
+
+
+def test_an_audit_is_no_context(tmp_path: Path) -> None:
+    """It has a label, so whoever trains on the selection would learn from it."""
+    drive = random_episode(np.random.default_rng(0), 8)
+    why = np.array([-1, 1, -1, 0, -1, 1, -1, -1])
+    drive.columns["asked_because"][:, 0] = why
+    drive.columns["queried"][:, 0] = why != Asked.NOT
+    drive.columns["intervention"][:, 0] = why == Asked.DROVE
+    select(write(tmp_path / "rollout", [drive]), tmp_path / "new", before=0.3, after=0.3)
+    new = Dataset.open(tmp_path / "new")
+    assert new.column("source.frame").tolist() == [0, 2, 3, 4, 6]
+    assert new.column("queried").tolist() == [False, False, True, False, False]

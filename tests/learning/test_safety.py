@@ -6,6 +6,8 @@ import torch
 from hypothesis import given
 from hypothesis import strategies as st
 
+from pipeline.data.dataset import Dataset
+from pipeline.data.selecting import select
 from pipeline.driving.network import PrimaryNetwork
 from pipeline.learning.labels import LabelRule
 from pipeline.learning.safety import MOST, Judged, held_out_episodes, judge
@@ -52,12 +54,17 @@ def test_labels_look_ahead_by_seconds_and_within_an_episode(tmp_path: Path) -> N
     assert ahead.deviation.tolist() == now.deviation[[2, 3, 3, 3, 5, 5]].tolist()
 
 
-def test_frames_without_a_label_are_refused(tmp_path: Path) -> None:
-    episode = random_episode(np.random.default_rng(0), 4)
-    episode.columns["queried"][:] = [[True], [False], [True], [False]]
-    dataset = write(tmp_path / "raw", [episode])
-    with pytest.raises(ValueError, match="raw: 2 frames have no label of the reference"):
-        judge(PrimaryNetwork(2), dataset, rule=RULE)
+def test_frames_without_a_label_are_left_out_and_nothing_looks_over_them(tmp_path: Path) -> None:
+    episode = random_episode(np.random.default_rng(0), 6)
+    episode.columns["queried"][:, 0] = [1, 1, 0, 1, 1, 1]
+    raw = write(tmp_path / "raw", [episode])
+    select(raw, tmp_path / "new")
+    primary = PrimaryNetwork(2, generator=torch.Generator().manual_seed(0))
+    ahead = LabelRule("steering", 0.1, "last")
+    of_raw, of_new = (judge(primary, d, rule=ahead) for d in (raw, Dataset.open(tmp_path / "new")))
+    assert of_raw.episode_index.tolist() == [0, 0, 1, 1, 1]
+    for name in ("features", "deviation", "episode_index"):
+        np.testing.assert_array_equal(getattr(of_raw, name), getattr(of_new, name))
 
 
 def test_an_audited_frame_stands_for_those_that_were_not_but_not_for_too_many(

@@ -188,6 +188,7 @@ def test_the_second_primary_began_with_the_first(house: Path) -> None:
     ("typed", "named"),
     [
         (("train-primary", "D_0", "x", "--policy", "nothing", *FIT), "policy 'nothing': expected"),
+        (("train-primary", "D_0", "x", *FIT), "(--policy driving; there are driving, conv)"),
         (
             (
                 "train-safety",

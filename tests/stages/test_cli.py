@@ -304,7 +304,7 @@ SAFETY = {
 def test_training_is_refused_what_would_spoil_it(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """Frames without a label; D_safe that was trained on; a safety policy of another primary."""
+    """No frame with a label; D_safe that was trained on; a safety policy of another primary."""
     monkeypatch.chdir(tmp_path)
     rng = np.random.default_rng(0)
     for name, number in (("D_0", 0), ("D_safe", 9)):
@@ -312,7 +312,9 @@ def test_training_is_refused_what_would_spoil_it(
             random_episode(rng, 3, episode=number + each, reference_only=True) for each in (0, 1)
         ]
         write(Path(name), episodes, name)
-    write(Path("rollout"), [random_episode(rng, 9, iteration=1)], "rollout")
+    unasked = random_episode(rng, 9, iteration=1)
+    unasked.columns["queried"][:] = False
+    write(Path("rollout"), [unasked], "rollout")
 
     train = ("train-primary", "D_0", "one", *flat(PRIMARY), "--no-mirror")
     assert run(capsys, monkeypatch, *train)[0] == 0
@@ -324,11 +326,8 @@ def test_training_is_refused_what_would_spoil_it(
     code, error = run(
         capsys, monkeypatch, "train-primary", "rollout", "bad", *flat(PRIMARY), "--no-mirror"
     )
-    assert code == 2
-    assert re.fullmatch(
-        r"safedagger: rollout: \d frames have no label of the reference, .* `safedagger select` .*\n",
-        error,
-    )
+    told = "of 9 frames none has a label of the reference, expected some to learn from"
+    assert (code, error) == (2, f"safedagger: rollout: {told}\n")
 
     of_one = (*flat(SAFETY), "--measure", "steering", "--metrics", "m")
     code, error = run(capsys, monkeypatch, "train-safety", "one", "D_0", "D_0", "bad", *of_one)
@@ -342,6 +341,31 @@ def test_training_is_refused_what_would_spoil_it(
     assert error == "safedagger: safe: was trained to watch another primary than other\n"
     assert not Path("bad").exists() and not Path("drive.rrd").exists()
     assert run(capsys, monkeypatch, "watch", "one", "safe", *drive)[0] == 0
+
+
+def test_context_changes_no_training(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The same frames are shown, held out and foreseen: of both policies, the same weights."""
+    from pipeline.policies.loading import weights_sha256
+
+    monkeypatch.chdir(tmp_path)
+    rng = np.random.default_rng(0)
+    demonstrated = [random_episode(rng, 6, episode=n, reference_only=True) for n in (0, 1)]
+    write(Path("D_safe"), demonstrated, "D_safe")
+    drives = [random_episode(rng, 20, iteration=1, episode=n) for n in (0, 1)]
+    write(Path("rollout"), drives, "rollout")
+    trained = []
+    for name, context in (("bare", []), ("around", ["--before", "0.1", "--after", "0.2"])):
+        assert run(capsys, monkeypatch, "select", "rollout", name, *context)[0] == 0
+        primary, safety = f"primary_{name}", f"safety_{name}"
+        train = ("train-primary", name, primary, *flat(PRIMARY | {"--validation": "0.3"}))
+        assert run(capsys, monkeypatch, *train, "--no-mirror")[0] == 0
+        ahead = {"--horizon": "0.3", "--tau": "0.3", "--validation": "0.3"}
+        train = ("train-safety", primary, "D_safe", name, safety, *flat(SAFETY | ahead))
+        assert run(capsys, monkeypatch, *train)[0] == 0
+        trained.append([weights_sha256(Path(policy)) for policy in (primary, safety)])
+    assert trained[0] == trained[1]
 
 
 LIMITED = """
