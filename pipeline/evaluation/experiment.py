@@ -19,6 +19,8 @@ steps of a seed with one name are the same: runs share iteration 0, the supervis
 """
 D_SAFE = "D_safe"
 """Stands in the place of a run in the ledger of what that cost."""
+COUNTED = ("queries", "frames_driven", "frames_selected", "calls", "failures")
+"""Columns of the ledgers that add up over a loop."""
 HELD_OUT, ROLLOUT = "held_out", "rollout"
 """What a safety policy was judged on: frames of D_safe, which the reference drove; what it met in
 collecting for the next iteration, which it decided about.
@@ -75,6 +77,10 @@ class Tables:
         tables = {name: getattr(self, name) for name in ("drives", "ledgers", "quality")}
         return replace(self, **{name: table[keep(table)] for name, table in tables.items()})
 
+    def of_seeds(self, *seeds: int) -> Self:
+        """The same with these seeds alone."""
+        return self.keeping(lambda rows: rows.seed.isin(seeds))
+
     @staticmethod
     def joined(parts: Iterable["Tables"]) -> "Tables":
         """All rows of all parts, by seed, run and iteration."""
@@ -128,24 +134,23 @@ class Experiment(Tables):
 
     @cached_property
     def spent(self) -> pd.DataFrame:
-        """What each step has cost so far: the ledgers, with queries and frames driven and selected
-        summed over the loop, which D_0 is outside of; "takeover" as the share of these frames; and
-        "labels", queries in all: D_0's, the loop's and, where the loop needs a safety policy,
+        """What each step has cost so far: the ledgers, with what adds up summed over the loop, which D_0
+        is outside of; "by_reference", frames that the reference drove, and "takeover", their share;
+        and "labels", queries in all: D_0's, the loop's and, where the loop needs a safety policy,
         D_safe's. Of other runs the safety policies exist only to measure.
         """
         rows = self.ledgers.sort_values(STEP[:3], ignore_index=True)
         d_safe = rows[rows.run == D_SAFE].set_index("seed").queries
         d_0 = rows[rows.iteration == 0].set_index(["seed", "run"]).queries
-        summed = rows[["queries", "frames_driven", "frames_selected"]].assign(
+        summed = rows.reindex(columns=[*COUNTED]).assign(
             by_reference=rows.takeover * rows.frames_driven
         )
-        so_far = (summed.mul(rows.iteration > 0, axis=0)).groupby([rows.seed, rows.run]).cumsum()
+        in_the_loop = summed.where(rows.iteration > 0, 0)
+        so_far = in_the_loop.groupby([rows.seed, rows.run]).cumsum(skipna=False)
         first = pd.MultiIndex.from_frame(rows[["seed", "run"]])
         watched = rows.run.map(lambda run: run in self.specs and self.specs[run].is_watched)
         return rows.assign(
-            queries=so_far.queries,
-            frames_driven=so_far.frames_driven,
-            frames_selected=so_far.frames_selected,
+            **so_far,
             takeover=so_far.by_reference / so_far.frames_driven,
             labels=d_0.reindex(first).to_numpy()
             + so_far.queries

@@ -16,6 +16,8 @@ class Ledger(BaseModel):
     frames_selected: int
     frames_trained: int
     takeover: float
+    calls: int | None = None
+    failures: int | None = None
 
 
 Quality = create_model(
