@@ -1,12 +1,11 @@
 """What the label curves are asked: how many labels it takes to become how reliable."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import replace
-from functools import partial
 from itertools import product
 
-from pipeline.claims.findings import Finding, Judge, Row, all_of, compare, rises
-from pipeline.claims.verdicts import Claim, Verdict
+from pipeline.claims.findings import WORDS, Finding, Judge, Row, compare, rises
+from pipeline.claims.verdicts import Verdict
 from pipeline.evaluation.comparison import Contrast
 from pipeline.evaluation.curves import budget, cell, ended, families, last, yardstick
 from pipeline.evaluation.experiment import Experiment
@@ -15,7 +14,9 @@ from pipeline.evaluation.wording import seeds_in_words
 MARGIN = 0.05
 """[success per lap] a primary that surely lacks less is as reliable as another"""
 TRACKS = 40
-"""that both have to be driven on; fewer prove nothing"""
+"""that both have to be driven on; fewer prove nothing: where none of 80 pairs of drives, on as many
+tracks without and with traffic, differ, up to 4.5 % still may, by an exact 95 % interval
+"""
 
 
 def is_as_reliable(found: Contrast, margin: float = MARGIN) -> bool | None:
@@ -41,35 +42,30 @@ def against(curves: Experiment, run: str, other: str, judge: Judge = is_as_relia
 def answers(curves: Experiment) -> list[Verdict]:
     """On every claim whose runs have ended, in the order of the report."""
     best = yardstick(curves)
-    claims = _claims(curves, best) if best else ()
-    return [Claim(f"{words}.", (), partial(_all, compared))(curves) for words, compared in claims]
+    judged = []
+    for words, run, other, judge in _claims(curves, best) if best else ():
+        found = against(curves, run, other, judge)
+        title, rival = curves.title(run), curves.title(other)
+        claim = f"{title}: {words.format(rival)}."
+        judged.append(Verdict(claim, WORDS[found.holds], f"{found.observed}.", found.evidence))
+    return judged
 
 
-type _Comparison = tuple[str, str, Judge]
-"""Two runs, and who says what comes of it."""
-
-
-def _all(comparisons: Sequence[_Comparison], curves: Experiment) -> Finding:
-    found = [against(curves, *each) for each in comparisons]
-    return found[0] if len(found) == 1 else all_of(found)
-
-
-def _claims(curves: Experiment, best: str) -> Iterator[tuple[str, list[_Comparison]]]:
-    """Words, and the comparisons that all have to hold."""
-    specs, title, runs = curves.specs, curves.title, ended(curves)
+def _claims(curves: Experiment, best: str) -> Iterator[tuple[str, str, str, Judge]]:
+    """Words, the run that they are of, the one that it is compared with, and who says what comes of
+    it.
+    """
+    specs, runs, ways = curves.specs, ended(curves), families(curves).values()
     labels = {run: budget(curves, run) for run in runs}
-    for family in families(curves).values():
-        cheap = [run for run in family if 0 < labels[run] <= budget(curves, best) / 2]
+    for family in ways:
+        cheap = [run for run in family if 0 < 2 * labels[run] <= budget(curves, best)]
         if cheap and specs[cheap[-1]].protocol == specs[best].protocol:
-            words = (
-                f"On at most half of its labels, {title(cheap[-1])} is as reliable as {title(best)}"
-            )
-            yield words, [(cheap[-1], best, is_as_reliable)]
+            words = "as reliable as {}, on at most half of its labels"
+            yield words, cheap[-1], best, is_as_reliable
     for run, other in product(runs, runs):
         rivals = specs[run].strategy == "safedagger" and specs[other].strategy == "dagger"
         if rivals and (labels[run], specs[run].protocol) == (labels[other], specs[other].protocol):
-            yield f"{title(run)} is more reliable than {title(other)}", [(run, other, rises)]
+            yield "more reliable than {}", run, other, rises
     for idle in (run for run in runs if not specs[run].collects):
-        most = [family[-1] for family in families(curves).values() if specs[family[-1]].collects]
-        words = f"With its most labels, each strategy is more reliable than {title(idle)}"
-        yield words, [(run, idle, rises) for run in most]
+        for run in (family[-1] for family in ways if family[-1] != idle):
+            yield "more reliable than {}", run, idle, rises

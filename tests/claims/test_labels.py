@@ -12,9 +12,9 @@ from pipeline.evaluation.statistics import Estimate
 from tests.evaluation.made_up_curves import SPECS, curves
 
 BEST = {"dagger4000": 0.9}
-HALF = "On at most half of its labels, {} is as reliable as DAgger, 4,000 labels."
-MORE = "{} is more reliable than {}."
-TRAINED = "With its most labels, each strategy is more reliable than more training, no labels."
+HALF = "{}: as reliable as DAgger, 4,000 labels, on at most half of its labels."
+MORE = "{}: more reliable than {}."
+IDLE = "more training, no labels"
 OURS, THEIRS = (f"{name}, 2,000 labels" for name in ("SafeDAgger", "DAgger"))
 
 ends = st.lists(st.floats(-1, 1), min_size=3, max_size=3).map(sorted)
@@ -52,9 +52,9 @@ def test_as_reliable_is_by_the_whole_interval(low: float, high: float, holds: bo
         (MORE.format(OURS, THEIRS), {"safedagger2000": 0.9, "dagger2000": 0.7}, "holds"),
         (MORE.format(OURS, THEIRS), {"safedagger2000": 0.9, "dagger2000": 0.875}, "undecided"),
         (MORE.format(OURS, THEIRS), {"safedagger2000": 0.9, "dagger2000": 0.9}, "does not hold"),
-        (TRAINED, {"safedagger500": 0.9, "training": 0.5}, "holds"),
-        (TRAINED, {"safedagger500": 0.9, "training": 0.875}, "undecided"),
-        (TRAINED, {"safedagger500": 0.9, "dagger500": 0.4, "training": 0.5}, "does not hold"),
+        (MORE.format(THEIRS, IDLE), {"dagger2000": 0.9, "training": 0.5}, "holds"),
+        (MORE.format(THEIRS, IDLE), {"dagger2000": 0.9, "training": 0.875}, "undecided"),
+        (MORE.format(THEIRS, IDLE), {"dagger2000": 0.4, "training": 0.5}, "does not hold"),
     ],
 )
 def test_every_claim_can_come_out_three_ways(
@@ -83,12 +83,14 @@ def test_fewer_than_40_tracks_and_runs_that_have_not_ended_decide_nothing() -> N
 
 
 def test_there_is_a_claim_for_each_budget_and_way_to_collect() -> None:
-    claims = [each.claim for each in answers(curves(dict.fromkeys(SPECS, 0.9)))]
-    pairs = [f"{n} labels" for n in ("500", "1,000", "2,000", "1,000")]
-    pairs[-1] += ", from anywhere"
-    assert claims == [
+    judged = answers(curves(dict.fromkeys(SPECS, 0.9)))
+    assert [each.verdict for each in judged] == ["holds"] * 2 + ["does not hold"] * 9
+    away = "1,000 labels, from anywhere"
+    as_many = ("500 labels", "1,000 labels", "2,000 labels", away)
+    most = (OURS, "DAgger, 4,000 labels", "supervised, 2,000 labels")
+    assert [each.claim for each in judged] == [
         HALF.format(OURS),
         HALF.format(THEIRS),
-        *(MORE.format(f"SafeDAgger, {each}", f"DAgger, {each}") for each in pairs),
-        TRAINED,
+        *(MORE.format(f"SafeDAgger, {each}", f"DAgger, {each}") for each in as_many),
+        *(MORE.format(run, IDLE) for run in (*most, f"SafeDAgger, {away}", f"DAgger, {away}")),
     ]

@@ -1,17 +1,21 @@
 """Label curves from small tables, whose verdicts are known."""
 
 from collections.abc import Mapping
+from pathlib import Path
 from typing import Any
 
 import pandas as pd
 
-from pipeline.evaluation.drives import table
+from pipeline.evaluation.drives import table, write_drives
 from pipeline.evaluation.experiment import D_SAFE, Experiment, Tables
+from pipeline.evaluation.writing import write_metrics
+from pipeline.output import write_file
 from pipeline.runs import Comparison, read_params
 from tests.evaluation.sample import CARS, ROOT, outcome
 
 SPECS = Comparison.of(read_params(ROOT / "scales/curves.yaml")).runs
 D_0, SAFE_LABELS = 2800, 5600
+LAPS = [{"condition": where, "name": "car", "laps": 1.0} for where in ("no_traffic", "traffic")]
 BEFORE = 0.5
 """the share of the drives that succeed before the loop"""
 
@@ -57,6 +61,18 @@ def counted(queries: int) -> dict[str, Any]:
         "calls": 10,
         "failures": 1,
     }
+
+
+def write_seed(folder: Path, *steps: str, ledgers: bool = True) -> Path:
+    """What `scales/run` leaves of a seed whose primaries of some steps were driven."""
+    told = Comparison(runs=dict(SPECS), protocols={"line": {}, "briefly": {}, "anywhere": {}})
+    write_file(folder / "runs.json", told.model_dump_json(exclude_defaults=True).encode())
+    for step in steps:
+        write_drives(folder / f"reliability_{step}.csv", drives(0.5, tracks=2))
+        write_metrics(folder / f"reliability_{step}.json", {"rows": LAPS})
+    for step in ("safe", *(each for each in steps if "training" not in each)) if ledgers else ():
+        write_metrics(folder / f"ledger_D_{step}.json", {"rows": [counted(100)]})
+    return folder
 
 
 def _loop(seed: int, run: str, share: float, tracks: int) -> list[Tables]:
