@@ -50,13 +50,15 @@ def _panel(axes: Axes, curves: Experiment, best: str, where: str) -> None:
         found = {run: success(curves, run, last(curves, run), where) for run in family}
         values = {run: one for run, one in found.items() if one}
         points = [(_labels(curves, run), one) for run, one in values.items()]
-        if points and spec.collects:
+        if spec.collects:
+            points = [(x, one) for x, one in points if x > 0]  # else nobody has counted them yet
             shift = APART * (number - (len(ways) - 1) / 2)
             _draw(axes, points, shift, name, **look(spec.colour, spec.marker, where))
-            ends.append((points[-1][0], points[-1][1].value, name, spec.colour))
-        for _, one in [] if spec.collects else points:
-            axes.axhline(one.value, color=spec.colour, linestyle=":", label=name)
-            ends.append((math.nan, one.value, name, spec.colour))
+            ends += [(x, one.value, name, spec.colour) for x, one in points[-1:]]
+        else:
+            for _, one in points:
+                axes.axhline(one.value, color=spec.colour, linestyle=":", label=name)
+                ends.append((math.inf, one.value, name, spec.colour))
         if best in values:
             top = values[best].value
             axes.axhspan(top - MARGIN, top, color=spec.colour, alpha=BAND, linewidth=0)
@@ -73,7 +75,7 @@ def _panel(axes: Axes, curves: Experiment, best: str, where: str) -> None:
         ylabel="share of drives",
     )
     right = axes.get_xlim()[1]
-    name_ends(axes, [(right if math.isnan(x) else x, y, name, c) for x, y, name, c in ends])
+    name_ends(axes, [(min(x, right), y, name, colour) for x, y, name, colour in ends])
 
 
 def _draw(

@@ -59,7 +59,7 @@ def test_the_report_begins_with_the_label_curves(made_up: Experiment) -> None:
     )
     assert "| no, -30.0 [" in row and row.endswith(" | 3 | 30 | 17 |")
     before = "| before the loop | 80, 1 | 0 | 2,800 | 50.0 % "
-    assert before in first and "There is one seed, 0:" in first
+    assert before in first and "There is one seed, 0, so" in first
     assert "| DAgger, 500 labels | 0 | 40.0 % [24.9 %, 56.7 %] /" in section(
         text, "Reliability, by seed"
     )
