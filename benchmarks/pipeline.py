@@ -89,7 +89,7 @@ def _house(root: Path) -> None:
     params["runs"]["safedagger"] |= RUN
     for name in ("pipeline", "stages", "dvc.yaml"):
         (root / name).symlink_to(ROOT / name)
-    for name in ("watched", "cards/frames", ".dvc"):
+    for name in ("watched", "cards/curves", "cards/frames", ".dvc"):
         (root / name).mkdir(parents=True)
     (root / "sitecustomize.py").write_text(WATCH)
     (root / "params.yaml").write_text(yaml.safe_dump(params, sort_keys=False))

@@ -24,29 +24,37 @@ def report(
     frames: Annotated[Path, typer.Option(help="Folder of seed_<n>.png, drawn by `contact-sheet`.")],
     output: Annotated[Path, typer.Option(help="The report to write, markdown.")],
     figures: Annotated[Path, typer.Option(help="Folder for the report's figures, PNG.")],
+    curves: Annotated[
+        Path | None, typer.Option(help="Folder of seed_<n>/reliability_<run>_<i>.csv, ...")
+    ] = None,
 ) -> None:
     """Write the report: verdicts, figures, every number."""
     from pipeline.driving.tracks import TEST, TRAINING
+    from pipeline.evaluation.curves import yardstick
     from pipeline.evaluation.experiment import STEP
     from pipeline.inspection.canvas import png
     from pipeline.inspection.tracks import track_sheet
     from pipeline.output import check_place, write_file
     from pipeline.report.figures import TITLES, over_the_iterations, result
+    from pipeline.report.label_curves import label_curves
     from pipeline.report.material import read_material
     from pipeline.report.rendering import Pictures, render_report
 
     sheets = {"training": ("Training tracks", TRAINING), "test": ("Test tracks", TEST)}
-    paths = {name: figures / f"{name}.png" for name in ("result", *TITLES, *sheets)}
+    paths = {name: figures / f"{name}.png" for name in ("labels", "result", *TITLES, *sheets)}
     check_place(output, *paths.values())
     for folder in (errors, frames):
         if not folder.is_dir():
             raise FileNotFoundError(f"{folder}: no such folder, expected seed_<n>.png in it")
 
-    material = read_material(metrics)
+    material = read_material(metrics, curves)
     drawn = over_the_iterations(material.experiment)
     head = result(material.experiment)
     if head:
         drawn["result"] = head
+    best = yardstick(material.curves)
+    if best:
+        drawn["labels"] = label_curves(material.curves, best)
     for name, (title, tracks) in sheets.items():
         drawn[name] = track_sheet(list(tracks), title)
     pngs = {name: png(figure) for name, figure in drawn.items()}
@@ -55,6 +63,7 @@ def report(
         material,
         Pictures(
             result=places.get("result"),
+            labels=places.get("labels"),
             figures={title: places[name] for name, title in TITLES.items() if name in places},
             by_seed={
                 title: _of_seeds(folder, material.experiment.seeds, output)

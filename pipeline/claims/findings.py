@@ -90,16 +90,18 @@ class Row:
     cell: Cell
     baseline: Cell
     judge: Judge
+    pairs: int = PAIRS
+    """fewer prove nothing"""
 
 
 def compare(experiment: Experiment, row: Row) -> Finding:
-    """As its judge says; open where PAIRS are not there."""
+    """As its judge says; open where too few pairs are there."""
     found = contrast(experiment, row.metric, row.cell, row.baseline)
     if found is None:
         return unknown(f"{row.words}: not measured")
     form = FORMS[METRICS[row.metric].form]
     gap = found.difference
-    enough = gap.count >= PAIRS
+    enough = gap.count >= row.pairs
     values = f"{row.words}: {form.value(found.value)} against {form.value(found.baseline)}"
     difference = interval(gap, form.difference)
     return Finding(

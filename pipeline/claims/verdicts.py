@@ -61,8 +61,7 @@ class Claim:
         ]
         names = " and ".join(map(experiment.title, self.runs)) or "any run"
         missing = f"no seed has iterations 0 to {experiment.last} of {names}"
-        kept = experiment.keeping(lambda rows: rows.seed.isin(seeds))
-        found = self.find(kept) if seeds else unknown(missing)
+        found = self.find(experiment.of_seeds(*seeds)) if seeds else unknown(missing)
         sentence = f"{found.observed[0].upper()}{found.observed[1:]}."
         return Verdict(self.words, WORDS[found.holds], sentence, found.evidence)
 

@@ -81,6 +81,10 @@ class Tables:
         tables = {name: getattr(self, name) for name in ("drives", "ledgers", "quality")}
         return replace(self, **{name: table[keep(table)] for name, table in tables.items()})
 
+    def of_seeds(self, *seeds: int) -> Self:
+        """The same with these seeds alone."""
+        return self.keeping(lambda rows: rows.seed.isin(seeds))
+
     @staticmethod
     def joined(parts: Iterable["Tables"]) -> "Tables":
         """All rows of all parts, by seed, run and iteration."""

@@ -2,7 +2,7 @@
 
 import math
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -21,7 +21,11 @@ RUNS_FILE = "runs.json"
 WARM, SCRATCH = "warm", "scratch"
 """Runs of `read_scratch`."""
 
-_STEP = re.compile(r"drives_(?:(?P<run>[a-z_]+)_)?(?P<number>\d+)\.csv")
+type Steps = Callable[[Path, int, str, list[int], Run], Iterator[Tables]]
+"""Reads those of a run, from the folder of a seed"""
+
+_DRIVES, _RELIABILITY = "drives", "reliability"
+_STEP = re.compile(r"_(?:(?P<run>[a-z]\w*)_)?(?P<number>\d+)\.csv")
 _SEED = re.compile(r"seed_(?P<seed>\d+)")
 
 
@@ -37,33 +41,26 @@ def read_experiment(metrics: Path) -> Experiment:
             that nobody knows.
         FileNotFoundError: a companion of a file of drives is missing, or an iteration before it.
     """
-    folders = _seeds(metrics)
-    if not folders:
+    if not _seeds(metrics):
         raise ValueError(f"{metrics}: no seed_<n>/drives_<run>_<i>.csv, expected some")
-    told = {
-        seed: dict(Comparison.of(read_json(folder / RUNS_FILE, dict)).runs)
-        for seed, folder in folders.items()
-    }
-    specs: dict[str, Run] = {}
-    for runs in told.values():
-        specs = {**specs, **{name: run for name, run in runs.items() if name not in specs}}
-    parts: list[Tables] = []
-    left_out = []
-    for seed, runs in told.items():
-        d_safe = {"seed": seed, "run": D_SAFE, "iteration": 0, "step": D_SAFE}
-        ledger = _rows(folders[seed] / "ledger_D_safe.json", Ledger, **d_safe)
-        parts.append(Tables(ledgers=ledger))
-        for run, iterations in _iterations(folders[seed], specs).items():
-            if runs.get(run, specs[run]).told == specs[run].told:
-                parts += _steps(folders[seed], seed, run, iterations, specs[run].is_watched)
-            else:
-                left_out.append(
-                    f"{specs[run].name}, seed {seed}: told something else than elsewhere."
-                )
-    found = Tables.joined(parts)
+    found = _read(metrics, _DRIVES, _steps, _ledger)
     if found.drives.empty:
-        raise ValueError(f"{metrics}: no drives of a loop, expected some of {', '.join(specs)}")
-    return _belonging_together(Experiment(**vars(found), specs=specs, left_out=tuple(left_out)))
+        known = ", ".join(found.specs)
+        raise ValueError(f"{metrics}: no drives of a loop, expected some of {known}")
+    return found
+
+
+def read_curves(curves: Path) -> Experiment:
+    """Read how reliable the primaries are, and what they cost: seed_<n>/reliability_<run>_<i>.csv, ...
+
+    Drives are naive. Of a seed that is only partly done there is what is there; what its ledgers do
+    not tell is NaN. Empty where there are none. Left out is the same as in `read_experiment`.
+
+    Raises:
+        ValueError: a file does not hold what it should, or there are drives of a run that nobody
+            knows.
+    """
+    return _read(curves, _RELIABILITY, _relied_on, _ledger_if_any)
 
 
 def read_thresholds(metrics: Path) -> Tables:
@@ -133,28 +130,56 @@ def read_errors(metrics: Path) -> dict[int, ErrorShares]:
     return {seed: read_json(file, ErrorShares) for seed, file in files.items() if file.is_file()}
 
 
-def _seeds(metrics: Path) -> dict[int, Path]:
-    """The folders of all seeds that have drives, ascending."""
+def _read(
+    metrics: Path, kind: str, steps: Steps, ledger: Callable[..., pd.DataFrame]
+) -> Experiment:
+    """All seeds and runs that have drives of a kind."""
+    folders = _seeds(metrics, kind)
+    told = {
+        seed: dict(Comparison.of(read_json(folder / RUNS_FILE, dict)).runs)
+        for seed, folder in folders.items()
+    }
+    specs: dict[str, Run] = {}
+    for runs in told.values():
+        specs = {**specs, **{name: run for name, run in runs.items() if name not in specs}}
+    parts: list[Tables] = []
+    left_out = []
+    for seed, runs in told.items():
+        for run, iterations in _iterations(folders[seed], kind, specs).items():
+            if runs.get(run, specs[run]).told == specs[run].told:
+                parts += steps(folders[seed], seed, run, iterations, specs[run])
+            else:
+                left_out.append(
+                    f"{specs[run].name}, seed {seed}: told something else than elsewhere."
+                )
+        at = {"seed": seed, "run": D_SAFE, "iteration": 0, "step": D_SAFE}
+        parts.append(Tables(ledgers=ledger(folders[seed] / "ledger_D_safe.json", **at)))
+    found = Experiment(**vars(Tables.joined(parts)), specs=specs, left_out=tuple(left_out))
+    return _belonging_together(found)
+
+
+def _seeds(metrics: Path, kind: str = _DRIVES) -> dict[int, Path]:
+    """The folders of all seeds that have drives of a kind, ascending."""
     found = {
         int(named["seed"]): folder
         for folder in metrics.glob("seed_*")
-        if (named := _SEED.fullmatch(folder.name)) and any(folder.glob("drives_*.csv"))
+        if (named := _SEED.fullmatch(folder.name)) and any(folder.glob(f"{kind}_*.csv"))
     }
     return dict(sorted(found.items()))
 
 
-def _names(folder: Path) -> list[tuple[str, str | None, int]]:
+def _names(folder: Path, kind: str = _DRIVES) -> list[tuple[str, str | None, int]]:
     """Of all drives of a seed: name of the step, of its run if it has one, and the number in it."""
     return [
-        (file.stem.removeprefix("drives_"), named["run"], int(named["number"]))
-        for file in sorted(folder.iterdir())
-        if (named := _STEP.fullmatch(file.name))
+        (file.stem.removeprefix(f"{kind}_"), named["run"], int(named["number"]))
+        for file in sorted(folder.glob(f"{kind}_*.csv"))
+        if (named := _STEP.fullmatch(file.name.removeprefix(kind)))
     ]
 
 
-def _iterations(folder: Path, specs: Mapping[str, Run]) -> dict[str, list[int]]:
+def _iterations(folder: Path, kind: str, specs: Mapping[str, Run]) -> dict[str, list[int]]:
     """Of each run that is there: which have files of their own."""
-    found = sorted((run, number) for _, run, number in _names(folder) if run)
+    found = sorted((run, number) for _, run, number in _names(folder, kind) if run)
     unknown = [run for run, _ in found if run not in (*specs, *BESIDE)]
     if unknown:
         known = ", ".join(specs)
@@ -163,15 +188,31 @@ def _iterations(folder: Path, specs: Mapping[str, Run]) -> dict[str, list[int]]:
     return {run: iterations for run, iterations in own.items() if any(iterations)}
 
 
-def _steps(
-    folder: Path, seed: int, run: str, iterations: list[int], is_watched: bool
-) -> Iterator[Tables]:
-    """Of one run."""
+def _steps(folder: Path, seed: int, run: str, iterations: list[int], spec: Run) -> Iterator[Tables]:
+    """Of one run of the loops."""
     start = f"{run}_0" if 0 in iterations else FIRST
     names = [start, *(f"{run}_{i}" for i in range(1, max(iterations) + 1))]
-    followers = [*names[1:], None] if is_watched else [None] * len(names)
+    followers = [*names[1:], None] if spec.is_watched else [None] * len(names)
     for iteration, (name, follower) in enumerate(zip(names, followers, strict=True)):
         yield _read_step(folder, seed, run, iteration, name, follower)
+
+
+def _relied_on(
+    folder: Path, seed: int, run: str, iterations: list[int], spec: Run
+) -> Iterator[Tables]:
+    """Of one run of the label curves; where nothing is collected, nothing is asked."""
+    for iteration in range(max(iterations) + 1):
+        name = f"{run}_{iteration}" if iteration else FIRST
+        at: dict[str, Any] = {"seed": seed, "run": run, "iteration": iteration, "step": name}
+        cost = _ledger_if_any(folder / f"ledger_D_{name}.json", **at)
+        if iteration and not spec.collects:
+            cost = pd.DataFrame([dict.fromkeys(Ledger.model_fields, 0) | at])
+        driven = (
+            read_driven(folder, name, _RELIABILITY, _RELIABILITY).assign(**at)
+            if iteration in (0, *iterations)
+            else pd.DataFrame()
+        )
+        yield Tables(drives=driven, ledgers=cost)
 
 
 def _belonging_together(found: Experiment) -> Experiment:
@@ -205,25 +246,40 @@ def _read_step(
         judged.append(_rows(rollout, Quality, **at, judged_on=ROLLOUT))
     return Tables(
         drives=read_driven(folder, name).assign(**at),
-        ledgers=_rows(folder / f"ledger_D_{name if iteration else FIRST}.json", Ledger, **at),
+        ledgers=_ledger(folder / f"ledger_D_{name if iteration else FIRST}.json", **at),
         quality=pd.concat(judged, ignore_index=True),
     )
 
 
-def read_driven(folder: Path, name: str) -> pd.DataFrame:
+def read_driven(
+    folder: Path, name: str, drives: str = _DRIVES, settings: str = "driving"
+) -> pd.DataFrame:
     """The drives of a step, each with what its condition's task was set to.
+
+    Args:
+        drives, settings: what the files of these begin with.
 
     Raises:
         FileNotFoundError, ValueError: as `read_drives` and `read_json`.
     """
-    drives = read_drives(folder / f"drives_{name}.csv")
-    file = folder / f"driving_{name}.json"
-    settings = _rows(file, Setting).fillna({"laps": math.inf})
-    for condition in drives.condition.unique():
-        if condition not in set(settings.condition):
+    driven = read_drives(folder / f"{drives}_{name}.csv")
+    file = folder / f"{settings}_{name}.json"
+    rows = _rows(file, Setting).fillna({"laps": math.inf})
+    for condition in driven.condition.unique():
+        if condition not in set(rows.condition):
             raise ValueError(f"{file}: no row of condition {condition!r}, expected one")
-    told = settings.set_index("condition").add_prefix("task.").loc[drives.condition]
-    return pd.concat([drives, told.set_index(drives.index)], axis=1)
+    told = rows.set_index("condition").add_prefix("task.").loc[driven.condition]
+    return pd.concat([driven, told.set_index(driven.index)], axis=1)
+
+
+def _ledger(file: Path, **at: Any) -> pd.DataFrame:
+    return _rows(file, Ledger, **at)
+
+
+def _ledger_if_any(file: Path, **at: Any) -> pd.DataFrame:
+    """Of NaN where there is none."""
+    unknown = dict.fromkeys(Ledger.model_fields, math.nan)
+    return _ledger(file, **at) if file.is_file() else pd.DataFrame([unknown | at])
 
 
 def _rows(file: Path, kind: type[BaseModel], **columns: Any) -> pd.DataFrame:

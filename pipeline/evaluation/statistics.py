@@ -1,4 +1,4 @@
-"""Interquartile means and ratios of sums over drives, and 95 % intervals by bootstrap.
+"""Interquartile means, ratios of sums and shares of drives, and 95 % intervals of them.
 
 In the shapes, N is the number of drives, K of columns, R of resamples.
 """
@@ -8,6 +8,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.stats import binomtest
 
 RESAMPLES = 2000
 BOUNDS = (2.5, 97.5)
@@ -90,6 +91,14 @@ def difference(
     return _estimate(
         lambda counts: statistic(columns, counts) - statistic(baseline, counts), strata, generator
     )
+
+
+def exact(successes: int, count: int) -> Estimate:
+    """A share of independent drives, `count` >= 1, with its interval by Clopper and Pearson: unlike a
+    bootstrap it knows of failures that did not happen.
+    """
+    ends = binomtest(successes, count).proportion_ci(method="exact")
+    return Estimate(successes / count, float(ends.low), float(ends.high), count)
 
 
 def _estimate(

@@ -1,6 +1,7 @@
 """An experiment in figures: what it has, with 95 % intervals; None where it has nothing."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 from itertools import product
 
 from matplotlib.figure import Figure
@@ -42,19 +43,20 @@ def over_the_iterations(experiment: Experiment) -> dict[str, Figure]:
 
 
 def result(experiment: Experiment) -> Figure | None:
-    """What the queries of the training strategies have bought, and how long the reference drives."""
-    runs = experiment.strategies
-    panels = [
-        *(
-            Panel(f"naive, {label(where)}", "laps", _lines(runs, Strategy.NAIVE, where), "queries")
-            for where in experiment.conditions
-        ),
-        *(
-            Panel(f"safe, {label(where)}", "takeover", _lines(runs, Strategy.SAFE, where))
-            for where in experiment.conditions
-        ),
+    """What the queries of the training strategies have bought, above all in traffic, and how long the
+    reference drives.
+    """
+    runs, conditions = experiment.strategies, experiment.conditions
+    naive = [
+        Panel(f"naive, {label(where)}", "laps", _lines(runs, Strategy.NAIVE, where), "queries")
+        for where in reversed(conditions)
     ]
-    return draw(experiment, panels, columns=2)
+    safe = [
+        Panel(f"safe, {label(where)}", "takeover", _lines(runs, Strategy.SAFE, where))
+        for where in conditions
+    ]
+    panels = [*(replace(panel, is_wide=True) for panel in naive[:1]), *naive[1:], *safe]
+    return draw(experiment, panels, columns=3)
 
 
 def driving(experiment: Experiment, runs: Sequence[str]) -> Figure | None:

@@ -1,6 +1,6 @@
 """What a whole experiment has, and this one has not."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from itertools import product
 
 import pandas as pd
@@ -26,7 +26,7 @@ def gaps(material: Material, pictures: Mapping[str, Mapping[int, str]]) -> list[
             if run not in experiment.runs
         ),
         *experiment.left_out,
-        *_missing_iterations(experiment),
+        *_missing_iterations(experiment, experiment.runs),
         *_missing_drives(experiment),
         *_beside_the_loops(material),
         *(
@@ -35,6 +35,7 @@ def gaps(material: Material, pictures: Mapping[str, Mapping[int, str]]) -> list[
             for seed in experiment.seeds
             if seed not in places
         ),
+        *(f"Label curves: {each}" for each in _of_curves(material.curves)),
     ]
 
 
@@ -47,8 +48,13 @@ def _without_results(experiment: Experiment, run: str) -> str:
     return f"{experiment.title(run)}: no results{verdicts}."
 
 
-def _missing_iterations(experiment: Experiment) -> Iterator[str]:
-    for seed, run in product(experiment.seeds, experiment.runs):
+def _of_curves(curves: Experiment) -> Iterator[str]:
+    yield from curves.left_out
+    yield from _missing_iterations(curves, [*curves.specs])
+
+
+def _missing_iterations(experiment: Experiment, runs: Sequence[str]) -> Iterator[str]:
+    for seed, run in product(experiment.seeds, runs):
         whole = range(len(experiment.specs[run].iterations) + 1)
         there = set(experiment.among(seed=seed, run=run).iteration)
         absent = [str(i) for i in whole if i not in there]

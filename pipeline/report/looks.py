@@ -1,8 +1,9 @@
 """How the lines of a figure look, and the legend that says so."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from typing import Any
 
+from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 
 from pipeline.evaluation.experiment import Experiment
@@ -16,6 +17,7 @@ OF_STRATEGIES = {
 DASHED = "traffic"
 """the condition whose lines are dashed, with open markers"""
 SIZE = 5.0  # [points] of a marker
+NAME = 0.07  # [height of a panel] that the name of a line takes
 
 
 def look(colour: str, marker: str, where: str) -> dict[str, Any]:
@@ -36,6 +38,25 @@ def of_key(experiment: Experiment, key: str) -> tuple[str, str, str]:
         return OF_STRATEGIES[Strategy(key)]
     run = experiment.specs[key]
     return run.name, run.colour, run.marker
+
+
+def name_ends(axes: Axes, ends: Sequence[tuple[float, float, str, str]]) -> None:
+    """Write the names of lines beside the panel, apart where their ends coincide.
+
+    Args:
+        ends: where a line ends, its name and its colour.
+    """
+    low, high = axes.get_ylim()
+    ordered = sorted(ends, key=lambda end: (end[1], end[0]))
+    places = [(y - low) / (high - low) for _, y, *_ in ordered]
+    for i in range(1, len(places)):
+        places[i] = max(places[i], places[i - 1] + NAME)
+    for i in reversed(range(len(places))):  # none above the panel
+        places[i] = min(places[i], 1 - NAME * (len(places) - 1 - i))
+    for (x, y, name, colour), place in zip(ordered, places, strict=True):
+        line = {"arrowstyle": "-", "color": colour, "linewidth": 0.5}
+        beside: dict[str, Any] = {"textcoords": "axes fraction", "va": "center"}
+        axes.annotate(name, (x, y), (1.04, place), color=colour, arrowprops=line, **beside)
 
 
 def legend(experiment: Experiment, keys: Iterable[str]) -> list[Line2D]:

@@ -10,6 +10,7 @@ import pandas as pd
 from pipeline.evaluation.experiment import Experiment, Tables
 from pipeline.evaluation.files import ErrorShares
 from pipeline.evaluation.reading import (
+    read_curves,
     read_errors,
     read_experiment,
     read_scratch,
@@ -25,6 +26,7 @@ class Material:
     thresholds: Tables
     scratch: Tables
     errors: Mapping[int, ErrorShares]
+    curves: Experiment
 
     @cached_property
     def driven(self) -> pd.DataFrame:
@@ -35,8 +37,8 @@ class Material:
         return drives[drives.run == first]
 
 
-def read_material(metrics: Path) -> Material:
-    """Read every seed_<n> in `metrics`.
+def read_material(metrics: Path, curves: Path | None = None) -> Material:
+    """Read every seed_<n> in `metrics`, and in `curves`, if that is given; it may have none.
 
     Raises:
         ValueError: there is none, or a file does not hold what it should.
@@ -48,4 +50,5 @@ def read_material(metrics: Path) -> Material:
         read_thresholds(metrics),
         read_scratch(metrics, experiment),
         {seed: of for seed, of in read_errors(metrics).items() if seed in experiment.seeds},
+        read_curves(curves) if curves else Experiment(specs={}),
     )

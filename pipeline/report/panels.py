@@ -3,11 +3,13 @@
 from collections import defaultdict
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from itertools import accumulate
 from textwrap import fill
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
 from matplotlib.ticker import PercentFormatter
 from matplotlib.transforms import offset_copy
 
@@ -19,13 +21,13 @@ from pipeline.evaluation.statistics import Estimate
 from pipeline.evaluation.wording import written
 from pipeline.inspection.canvas import new_figure, styled
 from pipeline.metric import SPENT
-from pipeline.report.looks import legend, look, of_key
+from pipeline.report.looks import legend, look, name_ends, of_key
 from pipeline.rollout.strategies import Strategy
 
 # So that equal points stay visible, [points]: over the iterations, lines stand apart in x. Where x
-# is a cost, only intervals do, since no line may look cheaper: earlier ones have larger markers.
+# is a cost, only intervals do, since no line may look cheaper: lines stand apart in y, a little less.
 APART = 3.0
-LARGER = 1.7
+LESS = 0.6
 WIDTH = 150  # [characters] of a line of text below the panels
 
 
@@ -54,6 +56,8 @@ class Panel:
     metric: str
     lines: Sequence[Line]
     place: str = "iteration"
+    is_wide: bool = False
+    """takes a row, with the names of its lines in the last column: what matters most"""
 
 
 type Curves = dict[Line, list[Estimate | None]]
@@ -80,15 +84,23 @@ def draw(experiment: Experiment, panels: Sequence[Panel], columns: int) -> Figur
         alike = [None] * len(driven)
     shown = [each for each, value in zip(driven, alike, strict=True) if value is None]
     same = [(each[0], v) for each, v in zip(driven, alike, strict=True) if v is not None]
-    rows = -(-len(shown) // columns)
+    widths = [columns if panel.is_wide else 1 for panel, _ in shown]
+    rows = -(-sum(widths) // columns)
     with styled():
         figure = new_figure(10.0, 2.5 * rows + 0.8)
-        for number, (panel, curves) in enumerate(shown, 1):
-            axes = figure.add_subplot(rows, columns, number)
-            for before, (line, found) in enumerate(curves.items()):
-                after = len(curves) - 1 - before
-                _draw(axes, experiment, panel, line, found, APART * (before - after) / 2, after)
-            _frame(axes, panel, experiment.most(METRICS[panel.metric]))
+        for (panel, curves), width, end in zip(shown, widths, accumulate(widths), strict=True):
+            axes = figure.add_subplot(rows, columns, (end - width + 1, end - panel.is_wide))
+            for number, (line, found) in enumerate(curves.items()):
+                shift = APART * (number - (len(curves) - 1) / 2)
+                _draw(axes, experiment, panel, line, found, shift)
+            most = experiment.most(METRICS[panel.metric])
+            _frame(axes, panel, most)
+            if panel.is_wide:
+                name_ends(
+                    axes, [_end(line, panel, most) for line in axes.get_lines()[: len(curves)]]
+                )
+                for name in axes.texts:  # the panels below may be as wide
+                    name.set_in_layout(False)
         handles = legend(experiment, (line.key for _, curves in shown for line in curves))
         figure.legend(handles=handles, loc="outside upper center", ncols=4, handlelength=3.2)
         if same:
@@ -128,11 +140,8 @@ def _draw(
     line: Line,
     found: Sequence[Estimate | None],
     shift: float,
-    after: int,
 ) -> None:
-    """Values and intervals, `shift` [points] to the right; a gap where there are none. So many lines
-    come `after` it.
-    """
+    """Values and intervals, by `shift` [points] apart; a gap where there are none."""
     is_cost = panel.place != "iteration"
     value, low, high = (
         [getattr(one, end) if one else np.nan for one in found] for end in ("value", "low", "high")
@@ -141,14 +150,22 @@ def _draw(
     x = rows[panel.place].mean()[panel.place] if is_cost else experiment.iterations(line.run)
     name, colour, marker = of_key(experiment, line.key)
     style = look(colour, marker, line.condition)
-    if is_cost:
-        style["markersize"] += LARGER * after
     curve = axes.plot(x, value, label=name, clip_on=False, zorder=3, **style)
     bars = axes.vlines(x, low, high, style["color"], linewidth=0.9, clip_on=False)
-    aside = offset_copy(axes.transData, axes.get_figure(root=True), shift, units="points")
-    moved = [bars] if is_cost else [*curve, bars]
-    for artist in moved:  # only now: the limits of the axes are those of the data
-        artist.set_transform(aside)
+    # only now: the limits of the axes are those of the data
+    figure = axes.get_figure(root=True)
+    aside = offset_copy(axes.transData, figure, shift, units="points")
+    above = offset_copy(axes.transData, figure, 0, -LESS * shift, units="points")
+    bars.set_transform(aside)
+    curve[0].set_transform(above if is_cost else aside)
+
+
+def _end(line: Line2D, panel: Panel, most: float) -> tuple[float, float, str, str]:
+    """Where a line ends, its name, where it was first at the most that can be, and its colour."""
+    x, y = (np.asarray(values, float) for values in line.get_data())
+    full = x[y >= most]
+    when = f": {most:g} {METRICS[panel.metric].unit} at {full[0]:,.0f}" if len(full) else ""
+    return x[-1], y[-1], f"{line.get_label()}{when}", str(line.get_color())
 
 
 def _frame(axes: Axes, panel: Panel, most: float) -> None:

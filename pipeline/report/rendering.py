@@ -8,15 +8,18 @@ from pathlib import Path
 from typing import Any
 
 from pipeline.claims.findings import MARGIN, PAIRS
+from pipeline.claims.labels import MARGIN as LABEL_MARGIN
+from pipeline.claims.labels import answers
 from pipeline.claims.verdicts import verdicts
 from pipeline.driving.features import STANDSTILL
 from pipeline.driving.metrics import METRICS
+from pipeline.evaluation.curves import yardstick
 from pipeline.evaluation.drives import among
 from pipeline.evaluation.experiment import D_SAFE
 from pipeline.evaluation.templates import template
 from pipeline.evaluation.wording import seeds_in_words
 from pipeline.metric import shown
-from pipeline.report import tables
+from pipeline.report import labels, tables
 from pipeline.report.gaps import gaps
 from pipeline.report.headline import headline, standing
 from pipeline.report.limits import limits
@@ -32,6 +35,8 @@ class Pictures:
 
     result: str | None
     """the one at its head; None where there is nothing to draw"""
+    labels: str | None
+    """the label curves; None where there are none"""
     figures: Mapping[str, str]
     """over the iterations, by title"""
     by_seed: Mapping[str, Mapping[int, str]]
@@ -68,6 +73,11 @@ def render_report(material: Material, pictures: Pictures) -> str:
         falls_short=falls_short,
         limits=limits,
         gaps=gaps(material, pictures.by_seed),
+        curves=material.curves,
+        best=yardstick(material.curves),
+        labels=labels,
+        label_margin=LABEL_MARGIN,
+        answers=answers(material.curves),
     )
 
 

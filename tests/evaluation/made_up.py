@@ -142,6 +142,7 @@ def material(made_up: Experiment, **changes: Any) -> Material:
         "thresholds": Tables(),
         "scratch": Tables(),
         "errors": dict.fromkeys(made_up.seeds, shares),
+        "curves": Experiment(specs={}),
     }
     return Material(made_up, **parts | changes)
 

@@ -3,6 +3,8 @@
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.text import Text
+from matplotlib.transforms import Bbox
 
 
 def panels(figure: Figure | None) -> dict[tuple[str, str], Axes]:
@@ -30,3 +32,11 @@ def curves(axes: Axes) -> dict[str, list[tuple[float, float]]]:
         for line in axes.get_lines()
         if not str(line.get_label()).startswith("_")
     }
+
+
+def names(axes: Axes) -> dict[str, Bbox]:
+    """Where the names of the lines stand, without what leads to them."""
+    figure = axes.get_figure(root=True)
+    assert figure is not None
+    figure.canvas.draw()
+    return {text.get_text(): Text.get_window_extent(text) for text in axes.texts}

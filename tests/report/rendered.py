@@ -15,6 +15,7 @@ def report(made_up: Experiment, **changes: Any) -> str:
     places = {seed: f"errors/seed_{seed}.png" for seed in made_up.seeds}
     pictures = Pictures(
         result="figures/result.png",
+        labels="figures/labels.png",
         figures={"Driving": "figures/driving.png"},
         by_seed=changes.pop("by_seed", {ERRORS: places}),
         tracks={"Training tracks": "figures/training.png"},

@@ -7,6 +7,7 @@ import pytest
 from tests.command import run
 
 ROOT = Path(__file__).parents[2]
+NAMES = ("metrics", "curves", "errors", "frames")
 
 
 def test_the_committed_report_is_a_fresh_one(
@@ -14,10 +15,10 @@ def test_the_committed_report_is_a_fresh_one(
 ) -> None:
     """Else: `dvc repro report`. Its words and numbers; pictures are drawn otherwise by other fonts."""
     (tmp_path / "cards").mkdir()
-    for name in ("metrics", "errors", "frames"):
+    for name in NAMES:
         (tmp_path / "cards" / name).symlink_to(ROOT / "cards" / name)
     monkeypatch.chdir(tmp_path)
-    folders = [f"--{name}=cards/{name}" for name in ("metrics", "errors", "frames")]
+    folders = [f"--{name}=cards/{name}" for name in NAMES]
     assert run("report", *folders, "--output=cards/report.md", "--figures=cards/figures") == 0
     fresh = (tmp_path / "cards/report.md").read_text()
     assert fresh == (ROOT / "cards/report.md").read_text()

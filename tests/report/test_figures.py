@@ -37,7 +37,7 @@ from tests.evaluation.made_up import (
     undriven,
     with_optimal,
 )
-from tests.report.drawn import curves, panels, words
+from tests.report.drawn import curves, names, panels, words
 
 DRAW: dict[str, Callable[[Experiment], Figure | None]] = {
     "driving": partial(driving, runs=STRATEGIES),
@@ -97,12 +97,12 @@ def test_the_result_shows_laps_against_queries_and_the_takeover() -> None:
     """Of SafeDAgger alone, and beside DAgger."""
     alone = panels(result(experiment({"safedagger": GROWING})))
     assert list(alone) == [
-        ("Laps: naive, no traffic", "queries of the loop so far, log scale"),
         ("Laps: naive, traffic", "queries of the loop so far, log scale"),
+        ("Laps: naive, no traffic", "queries of the loop so far, log scale"),
         ("Takeover: safe, no traffic", "iteration"),
         ("Takeover: safe, traffic", "iteration"),
     ]
-    laps, in_traffic, alone_on_the_road, takeovers = (curves(axes) for axes in alone.values())
+    in_traffic, laps, alone_on_the_road, takeovers = (curves(axes) for axes in alone.values())
     assert laps == {"SafeDAgger": [(0, 2.0), (3000, 2.5), (6000, 3.0), (7000, 3.0)]}
     assert [y for _, y in in_traffic["SafeDAgger (traffic)"]] == [1.5, 2.0, 2.8, 3.0]
     assert [y for _, y in alone_on_the_road["SafeDAgger"]] == [0.08, 0.05, 0.04, 0.02]
@@ -233,3 +233,15 @@ def test_the_optimal_safety_policy_of_iteration_0_alone_is_no_row() -> None:
     made_up = with_optimal(experiment({"safedagger_rising": GROWING}))
     first = undriven(made_up, strategy="optimal", iteration=[1, 2, 3])
     assert optimal(first) is None
+
+
+def test_the_panel_that_matters_names_its_lines_and_where_they_were_full_first() -> None:
+    figure = result(experiment({"safedagger": GROWING, "dagger": SLOW}))
+    assert figure is not None
+    first, *others = figure.axes
+    assert first.get_position().width > 1.5 * others[0].get_position().width
+    found = names(first)
+    assert found.keys() == {"SafeDAgger: 3 laps at 7,000", "DAgger"}
+    assert not any(axes.texts for axes in others)
+    above, below = (found[name] for name in ("SafeDAgger: 3 laps at 7,000", "DAgger"))
+    assert above.y0 >= below.y1 and above.x0 > first.bbox.x1 and above.x1 < figure.bbox.x1

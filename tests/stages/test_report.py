@@ -8,6 +8,7 @@ from typer.testing import CliRunner
 
 from pipeline.report.figures import TITLES
 from stages.report import ERRORS, FRAMES, app
+from tests.evaluation.made_up_curves import write_seed
 from tests.evaluation.sample import write_run
 
 TRAINING = {"strategies.png", "strategies_takeover.png", "strategies_cost.png"}
@@ -63,6 +64,18 @@ def test_variants_and_the_optimal_safety_policy_are_drawn_where_there_are(tmp_pa
     assert result.exit_code == 0, result.output
     drawn = {file.name for file in (tmp_path / "cards" / "png").iterdir()}
     assert drawn == {f"{name}.png" for name in TITLES} | ALWAYS
+
+
+def test_label_curves_come_first_where_there_are(tmp_path: Path) -> None:
+    given = arguments(tmp_path)
+    of_loop = [f"dagger4000_{i}" for i in (1, 2, 3)]
+    write_seed(tmp_path / "curves" / "seed_4", "0", *of_loop)
+    result = CliRunner().invoke(app, [*given, "--curves", str(tmp_path / "curves")])
+    assert result.exit_code == 0, result.output
+    assert (tmp_path / "cards" / "png" / "labels.png").is_file()
+    text = (tmp_path / "cards" / "report.md").read_text()
+    assert text.index("](png/labels.png)") < text.index("](png/result.png)")
+    assert "| DAgger, 4,000 labels | 4, 1 | 300 | 400 |" in text
 
 
 def test_a_seed_without_a_picture_is_named_in_the_report(tmp_path: Path) -> None:

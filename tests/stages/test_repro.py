@@ -93,7 +93,8 @@ def reproduced(root: Path, tiny: dict) -> Path:
     """The project's own pipeline, with other parameters, from nothing to the report."""
     for name in ("pipeline", "stages", "dvc.yaml"):
         (root / name).symlink_to(HOUSE / name)
-    (root / "cards/frames").mkdir(parents=True)
+    for name in ("curves", "frames"):
+        (root / "cards" / name).mkdir(parents=True)
     plan(root, tiny)
     dvc(root, "init", "--no-scm")
     settings = (HOUSE / ".dvc" / "config").read_text()

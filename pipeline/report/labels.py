@@ -1,0 +1,112 @@
+"""How many labels each strategy needs, from the label curves: the answers, and the numbers."""
+
+from collections.abc import Iterator
+
+import pandas as pd
+
+from pipeline.claims.labels import against
+from pipeline.driving.metrics import METRICS
+from pipeline.evaluation.comparison import contrast, estimate
+from pipeline.evaluation.curves import cell, ended, families, last, success
+from pipeline.evaluation.drives import among
+from pipeline.evaluation.experiment import Experiment
+from pipeline.evaluation.wording import (
+    FORMS,
+    NOTHING,
+    brief_interval,
+    count,
+    interval,
+    pair,
+    share,
+    table,
+)
+
+HEADER = (
+    "Run",
+    "Drives, seeds",
+    "Labels in the loop",
+    "Labels in all",
+    "Success",
+    "Failures per 100 km",
+    "As reliable?",
+    "Failures while collecting",
+    "Calls",
+    "Frames of a call",
+)
+ANSWERS = {True: "yes", False: "no", None: "undecided"}
+
+
+def needed(curves: Experiment, best: str) -> Iterator[str]:
+    """For each way of collecting, the fewest labels with which it is as reliable as `best`."""
+    for name, family in families(curves).items():
+        found = {run: against(curves, run, best).holds for run in family if run != best}
+        enough = [run for run, holds in found.items() if holds]
+        unknown = [curves.title(run) for run, holds in found.items() if holds is None]
+        if enough:
+            spent = _spent(curves, enough[0], last(curves, enough[0]))
+            yield f"{name}: {count(spent.queries)} in the loop, {count(spent.labels)} in all"
+        elif found:
+            still = f"; undecided: {', '.join(unknown)}" if unknown else ""
+            yield f"{name}: none of those measured{still}"
+
+
+def numbers(curves: Experiment, best: str) -> str:
+    """A row for what all runs begin with, and for each run at its end."""
+    unwatched = [run for run in ended(curves) if not curves.specs[run].is_watched]
+    first = next(iter(unwatched or ended(curves)))  # without D_safe, if one is
+    rows = [_row(curves, "before the loop", first, 0, NOTHING)]
+    for family in families(curves).values():
+        for run in family:
+            answer = NOTHING if run == best else _answer(curves, run, best)
+            rows.append(_row(curves, curves.title(run), run, last(curves, run), answer))
+    return table(HEADER, rows)
+
+
+def by_seed(curves: Experiment) -> str:
+    """The success of each run at its end, on each seed for itself: exact."""
+    rows = []
+    for run in ended(curves):
+        for seed in curves.seeds_of(run, last(curves, run)):
+            of_seed = curves.of_seeds(seed)
+            rows.append([curves.title(run), str(seed), _success(of_seed, run, last(curves, run))])
+    return table(["Run", "Seed", "Success"], rows)
+
+
+def _answer(curves: Experiment, run: str, best: str) -> str:
+    """Whether it is as reliable, and the difference."""
+    answer = ANSWERS[against(curves, run, best).holds]
+    gap = contrast(curves, "success", cell(curves, run), cell(curves, best))
+    form = FORMS[METRICS["success"].form].difference
+    return f"{answer}, {interval(gap.difference, form)}" if gap else answer
+
+
+def _row(curves: Experiment, title: str, run: str, iteration: int, answer: str) -> list[str]:
+    drives = curves.among(run=run, iteration=iteration)
+    spent = _spent(curves, run, iteration)
+    failures = [
+        estimate(curves, "failures", cell(curves, run, where, iteration=iteration))
+        for where in curves.conditions
+    ]
+    written = FORMS[METRICS["failures"].form].value
+    return [
+        title,
+        f"{len(drives)}, {drives.seed.nunique()}",
+        count(spent.queries),
+        count(spent.labels),
+        _success(curves, run, iteration),
+        pair(brief_interval(found, written) for found in failures),
+        answer,
+        count(spent.failures),
+        count(spent.calls),
+        count(spent.frames_of_calls / spent.calls if spent.calls else None),
+    ]
+
+
+def _success(curves: Experiment, run: str, iteration: int) -> str:
+    found = [success(curves, run, iteration, where) for where in curves.conditions]
+    return pair(brief_interval(each, share) for each in found)
+
+
+def _spent(curves: Experiment, run: str, iteration: int) -> "pd.Series[float]":
+    """Means over the seeds."""
+    return among(curves.spent, run=run, iteration=iteration).mean(numeric_only=True)

@@ -1,0 +1,96 @@
+"""How many labels it takes: each answer can be yes, no and open, on made-up drives."""
+
+import math
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from pipeline.claims.labels import MARGIN, against, answers, is_as_reliable
+from pipeline.evaluation.comparison import Contrast
+from pipeline.evaluation.statistics import Estimate
+from tests.evaluation.made_up_curves import SPECS, curves
+
+BEST = {"dagger4000": 0.9}
+HALF = "{}: as reliable as DAgger, 4,000 labels, on at most half of its labels."
+MORE = "{}: more reliable than {}."
+IDLE = "more training, no labels"
+OURS, THEIRS = (f"{name}, 2,000 labels" for name in ("SafeDAgger", "DAgger"))
+
+ends = st.lists(st.floats(-1, 1), min_size=3, max_size=3).map(sorted)
+
+
+@given(ends, st.floats(0, 1), st.floats(0, 1))
+def test_a_wider_margin_turns_no_yes_into_a_no(
+    interval: list[float], margin: float, more: float
+) -> None:
+    low, value, high = interval
+    found = Contrast(value, 0.0, Estimate(value, low, high, 40))
+    before, after = (is_as_reliable(found, each) for each in (margin, margin + more))
+    order = [False, None, True]
+    assert order.index(before) <= order.index(after)
+
+
+@pytest.mark.parametrize(
+    ("low", "high", "holds"),
+    [(-0.04, 0.1, True), (-0.06, 0.1, None), (-0.06, -0.04, None), (-0.2, -0.06, False)],
+)
+def test_as_reliable_is_by_the_whole_interval(low: float, high: float, holds: bool | None) -> None:
+    assert math.isclose(MARGIN, 0.05)
+    assert is_as_reliable(Contrast(0, 0, Estimate((low + high) / 2, low, high, 40))) is holds
+
+
+@pytest.mark.parametrize(
+    ("claim", "share", "verdict"),
+    [
+        (HALF.format(OURS), {"safedagger2000": 0.9, **BEST}, "holds"),
+        (HALF.format(OURS), {"safedagger2000": 0.85, **BEST}, "undecided"),
+        (HALF.format(OURS), {"safedagger2000": 0.6, **BEST}, "does not hold"),
+        (HALF.format(THEIRS), {"dagger2000": 0.95, **BEST}, "holds"),
+        (HALF.format(THEIRS), {"dagger2000": 0.85, **BEST}, "undecided"),
+        (HALF.format(THEIRS), {"dagger2000": 0.6, **BEST}, "does not hold"),
+        (MORE.format(OURS, THEIRS), {"safedagger2000": 0.9, "dagger2000": 0.7}, "holds"),
+        (MORE.format(OURS, THEIRS), {"safedagger2000": 0.9, "dagger2000": 0.875}, "undecided"),
+        (MORE.format(OURS, THEIRS), {"safedagger2000": 0.9, "dagger2000": 0.9}, "does not hold"),
+        (MORE.format(THEIRS, IDLE), {"dagger2000": 0.9, "training": 0.5}, "holds"),
+        (MORE.format(THEIRS, IDLE), {"dagger2000": 0.9, "training": 0.875}, "undecided"),
+        (MORE.format(THEIRS, IDLE), {"dagger2000": 0.4, "training": 0.5}, "does not hold"),
+    ],
+)
+def test_every_claim_can_come_out_three_ways(
+    claim: str, share: dict[str, float], verdict: str
+) -> None:
+    judged = {each.claim: each.verdict for each in answers(curves(share))}
+    assert judged[claim] == verdict
+
+
+def test_a_verdict_says_on_how_many_drives_and_seeds_it_rests() -> None:
+    found = against(curves({"safedagger500": 0.9, **BEST}, seeds=2), "safedagger500", "dagger4000")
+    assert found.holds
+    assert found.evidence == (
+        "SafeDAgger, 500 labels against DAgger, 4,000 labels: 90.0 % against 90.0 % "
+        "(+0.0 [+0.0, +0.0], 80 pairs); 160 drives of each, seeds 0, 1"
+    )
+
+
+def test_fewer_than_40_tracks_and_runs_that_have_not_ended_decide_nothing() -> None:
+    few = curves({"safedagger500": 1.0, "dagger4000": 1.0}, tracks=39)
+    assert against(few, "safedagger500", "dagger4000").holds is None
+    alone = curves({"safedagger2000": 1.0})
+    assert against(alone, "safedagger2000", "dagger4000").holds is None
+    assert {each.verdict for each in answers(alone)} == {"undecided"}
+    assert answers(curves({})) == []
+
+
+def test_there_is_a_claim_for_each_budget_and_way_to_collect() -> None:
+    judged = answers(curves(dict.fromkeys(SPECS, 0.9)))
+    assert [each.verdict for each in judged] == ["holds"] * 2 + ["does not hold"] * 9
+    away = "1,000 labels, from anywhere"
+    as_many = ("500 labels", "1,000 labels", "2,000 labels", away)
+    most = (OURS, "DAgger, 4,000 labels", "supervised, 2,000 labels")
+    assert [each.claim for each in judged] == [
+        HALF.format(OURS),
+        HALF.format(THEIRS),
+        *(MORE.format(f"SafeDAgger, {each}", f"DAgger, {each}") for each in as_many),
+        *(MORE.format(run, IDLE) for run in (*most, f"SafeDAgger, {away}", f"DAgger, {away}")),
+    ]
