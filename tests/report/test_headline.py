@@ -19,8 +19,8 @@ def test_the_first_screen_compares_laps_and_queries() -> None:
     title, standing, headline, picture, cost, basis, *_ = report(experiment(GOOD)).split("\n\n")
     assert title.startswith("# ")
     assert standing == (
-        "Of the 13 [claims of the paper](#claims-of-the-paper), 13 hold (1, 2, 3, 4, 5, 6, 7, 8, 9, "
-        "10, 11, 12, 13), 0 do not hold, 0 are undecided."
+        "Of the 19 [claims of the paper](#claims-of-the-paper), 17 hold (1, 2, 3, 4, 5, 6, 7, 8, 9, "
+        "10, 11, 12, 13, 16, 17, 18, 19), 0 do not hold, 2 are undecided (14, 15)."
     )
     assert headline.splitlines() == [
         "- After supervised training alone, the primary, driven naively, completes 2.00 of 3 "
@@ -70,12 +70,12 @@ def test_the_first_screen_follows_the_data() -> None:
 def test_the_first_line_counts_the_verdicts() -> None:
     mixed = experiment({**GOOD, "safedagger_last": SLOW[:2], "safedagger_rising": SLOW[:3]})
     assert report(mixed).split("\n\n")[1] == (
-        "Of the 13 [claims of the paper](#claims-of-the-paper), 11 hold (1, 2, 3, 4, 5, 6, 8, 9, 11, "
-        "12, 13), 0 do not hold, 2 are undecided (7, 10)."
+        "Of the 19 [claims of the paper](#claims-of-the-paper), 15 hold (1, 2, 3, 4, 5, 6, 8, 9, 11, "
+        "12, 13, 16, 17, 18, 19), 0 do not hold, 4 are undecided (7, 10, 14, 15)."
     )
     failed = experiment({"safedagger": ending(GROWING, laps=(2.0, 3.0))})
     assert report(failed).split("\n\n")[1] == (
-        "Of the 4 [claims of the paper](#claims-of-the-paper), 3 hold (1, 2, 4), 1 does not hold (3), "
+        "Of the 5 [claims of the paper](#claims-of-the-paper), 4 hold (1, 2, 4, 5), 1 does not hold (3), "
         "0 are undecided."
     )
 
