@@ -27,9 +27,8 @@ def is_as_reliable(found: Contrast, margin: float = MARGIN) -> bool | None:
 
 def against(curves: Experiment, run: str, other: str, judge: Judge = is_as_reliable) -> Finding:
     """The success of a run at its end against another's, in all conditions together."""
-    words = f"{curves.title(run)} against {curves.title(other)}"
     cells = cell(curves, run), cell(curves, other)
-    found = compare(curves, Row(words, "success", *cells, judge, pairs=TRACKS))
+    found = compare(curves, Row("success", "success", *cells, judge, pairs=TRACKS))
     drives = [curves.among(run=each, iteration=last(curves, each)) for each in (run, other)]
     seeds = sorted(set.intersection(*(set(each.seed) for each in drives)))
     if not seeds:
@@ -47,7 +46,7 @@ def answers(curves: Experiment) -> list[Verdict]:
         found = against(curves, run, other, judge)
         title, rival = curves.title(run), curves.title(other)
         claim = f"{title}: {words.format(rival)}."
-        judged.append(Verdict(claim, WORDS[found.holds], f"{found.observed}.", found.evidence))
+        judged.append(Verdict(claim, WORDS[found.holds], found.observed, found.evidence))
     return judged
 
 

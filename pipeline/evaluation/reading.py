@@ -202,9 +202,9 @@ def _relied_on(
 ) -> Iterator[Tables]:
     """Of one run of the label curves; where nothing is collected, nothing is asked."""
     for iteration in range(max(iterations) + 1):
-        name = f"{run}_{iteration}" if iteration else FIRST
+        name = f"{run}_{iteration}" if iteration or 0 in iterations else FIRST
         at: dict[str, Any] = {"seed": seed, "run": run, "iteration": iteration, "step": name}
-        cost = _ledger_if_any(folder / f"ledger_D_{name}.json", **at)
+        cost = _ledger_if_any(folder / f"ledger_D_{name if iteration else FIRST}.json", **at)
         if iteration and not spec.collects:
             cost = pd.DataFrame([dict.fromkeys(Ledger.model_fields, 0) | at])
         driven = (
@@ -216,11 +216,15 @@ def _relied_on(
 
 
 def _belonging_together(found: Experiment) -> Experiment:
-    """Without runs that began with another primary than SafeDAgger's of their seed."""
+    """Without runs that began with another primary than SafeDAgger's of their seed, but for those that
+    were told to, by setting something of D_0 aside.
+    """
+    shared = [run for run in found.runs if not found.specs[run].set_aside]
     for seed in found.seeds:
-        begun = found.among(seed=seed).groupby("run").begun_with.unique().map(set)
-        ours = begun.get(found.ours, begun.iloc[0])
-        for run in [run for run in found.runs if begun.get(run, ours) != ours]:
+        drives = found.among(seed=seed, run=shared)
+        begun = drives.groupby("run").begun_with.unique().map(set)
+        ours = begun.get(found.ours, next(iter(begun), None))
+        for run in [run for run in shared if begun.get(run, ours) != ours]:
             told = f"{found.title(run)}, seed {seed}: began with another primary."
             kept = found.keeping(partial(_is_not, seed, run))
             found = replace(kept, left_out=(*found.left_out, told))

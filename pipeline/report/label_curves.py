@@ -29,9 +29,9 @@ def label_curves(curves: Experiment, best: str) -> Figure:
     to `best` is in the band. Dots stand a little apart, so that equal ones stay visible.
     """
     with styled():
-        figure = new_figure(10.0, 3.6)
+        figure = new_figure(10.0, 3.0 * len(curves.conditions) + 0.5)
         for number, where in enumerate(curves.conditions, 1):
-            axes = figure.add_subplot(1, len(curves.conditions), number)
+            axes = figure.add_subplot(len(curves.conditions), 1, number)
             _panel(axes, curves, best, where)
         band = f"at most {MARGIN:g} below {curves.title(best)}"
         handles = [

@@ -68,8 +68,7 @@ def test_a_verdict_says_on_how_many_drives_and_seeds_it_rests() -> None:
     found = against(curves({"safedagger500": 0.9, **BEST}, seeds=2), "safedagger500", "dagger4000")
     assert found.holds
     assert found.evidence == (
-        "SafeDAgger, 500 labels against DAgger, 4,000 labels: 90.0 % against 90.0 % "
-        "(+0.0 [+0.0, +0.0], 80 pairs); 160 drives of each, seeds 0, 1"
+        "success: 90.0 % against 90.0 % (+0.0 [+0.0, +0.0], 80 pairs); 160 drives of each, seeds 0, 1"
     )
 
 
@@ -83,14 +82,19 @@ def test_fewer_than_40_tracks_and_runs_that_have_not_ended_decide_nothing() -> N
 
 
 def test_there_is_a_claim_for_each_budget_and_way_to_collect() -> None:
+    def named(*names: str) -> list[str]:
+        return [SPECS[name].name for name in names]
+
     judged = answers(curves(dict.fromkeys(SPECS, 0.9)))
-    assert [each.verdict for each in judged] == ["holds"] * 2 + ["does not hold"] * 9
-    away = "1,000 labels, from anywhere"
-    as_many = ("500 labels", "1,000 labels", "2,000 labels", away)
-    most = (OURS, "DAgger, 4,000 labels", "supervised, 2,000 labels")
+    assert [each.verdict for each in judged] == ["holds"] * 4 + ["does not hold"] * 15
+    halves = named("safedagger2000", "dagger2000", "audited2000", "aside2000")
+    ours = "safedagger500", "safedagger1000", "safedagger2000", "safedagger1000_anywhere"
+    theirs = "dagger500", "dagger1000", "dagger2000", "dagger1000_anywhere"
+    audited = "audited1000", "audited2000", "aside1000", "aside2000"
+    rivals = zip(named(*ours, *audited), named(*theirs, *theirs[1:3] * 2), strict=True)
+    most = ("safedagger2000", "dagger4000", "supervised2000", ours[3], theirs[3], *audited[1::2])
     assert [each.claim for each in judged] == [
-        HALF.format(OURS),
-        HALF.format(THEIRS),
-        *(MORE.format(f"SafeDAgger, {each}", f"DAgger, {each}") for each in as_many),
-        *(MORE.format(run, IDLE) for run in (*most, f"SafeDAgger, {away}", f"DAgger, {away}")),
+        *(HALF.format(run) for run in halves),
+        *(MORE.format(run, rival) for run, rival in rivals),
+        *(MORE.format(run, IDLE) for run in named(*most)),
     ]

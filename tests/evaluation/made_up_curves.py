@@ -8,6 +8,7 @@ import pandas as pd
 
 from pipeline.evaluation.drives import table, write_drives
 from pipeline.evaluation.experiment import D_SAFE, Experiment, Tables
+from pipeline.evaluation.files import Ledger
 from pipeline.evaluation.writing import write_metrics
 from pipeline.output import write_file
 from pipeline.runs import Comparison, read_params
@@ -52,13 +53,14 @@ def drives(share: float, tracks: int = 40) -> pd.DataFrame:
 
 def counted(queries: int) -> dict[str, Any]:
     """A ledger in which the reference drove each frame that it was asked in, in ten calls."""
-    return {
+    return dict.fromkeys(Ledger.model_fields, 0) | {
         "frames_driven": 2 * queries,
         "queries": queries,
         "frames_selected": queries,
         "frames_trained": D_0 + queries,
         "takeover": 0.5,
         "calls": 10,
+        "frames_of_calls": queries,
         "failures": 1,
     }
 

@@ -41,6 +41,19 @@ def test_of_a_seed_that_is_partly_done_there_is_what_is_there(tmp_path: Path) ->
         assert asked.loc[unknown, ["queries", "labels"]].isna().all()
 
 
+def test_a_run_that_sets_something_aside_begins_for_itself(tmp_path: Path) -> None:
+    """With a primary of its own; what D_0 cost is the same, and D_safe is not needed."""
+    folder = write_seed(tmp_path / "seed_0", "0", "dagger500_1", "aside1000_0", "aside1000_1")
+    for step in (0, 1):
+        file = folder / f"reliability_aside1000_{step}.csv"
+        file.write_text(file.read_text().replace("0" * 64, "a" * 64))
+    found = read_curves(tmp_path)
+    assert found.runs == ["dagger500", "aside1000"] and not found.left_out
+    assert set(found.among(run="aside1000", iteration=0).primary) == {"a" * 64}
+    spent = among(found.spent, iteration=1).set_index("run")
+    assert spent.labels.to_dict() == {"aside1000": 200, "dagger500": 200}
+
+
 def test_of_nothing_there_is_nothing(tmp_path: Path) -> None:
     assert read_curves(tmp_path).runs == []
     write_seed(tmp_path / "seed_0")
@@ -65,6 +78,8 @@ def test_runs_of_one_way_to_collect_go_from_few_labels_to_many() -> None:
         "more training": ["training"],
         "SafeDAgger, from anywhere": ["safedagger1000_anywhere"],
         "DAgger, from anywhere": ["dagger1000_anywhere"],
+        "SafeDAgger with audits": ["audited1000", "audited2000"],
+        "SafeDAgger with audits for D_safe": ["aside1000", "aside2000"],
     }
     alone = curves({"safedagger1000_anywhere": 0.9})
     assert [*families(alone)] == ["SafeDAgger, from anywhere"]
