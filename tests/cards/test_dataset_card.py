@@ -14,6 +14,7 @@ from lerobot.policies.diffusion.configuration_diffusion import DiffusionConfig
 
 from pipeline.data.dataset import Dataset
 from pipeline.data.ledger import collected
+from pipeline.data.schema import Asked
 from pipeline.data.selecting import select
 from pipeline.driving.features import FEATURES
 from tests.cards.conftest import ALDER, BIRCH
@@ -172,9 +173,20 @@ def test_of_context_it_says_that_it_is_no_label(
     select(raw, house / "datasets" / "around", after=0.5)
     card = (make_cards("other") / "datasets" / "around.md").read_text()
     assert "What lay up to 0 s before and 0.5 s after is kept around them as context." in card
+    assert "the frames that the reference drove." in card
     assert "safedagger select --after 0.5\n" in card
     assert number(card, "queries") == raw.column("queried").sum() < number(card, "frames")
     assert "`queried` is false there, and our trainings pass over them" in card
+
+
+def test_of_audits_it_says_why_they_were_asked(
+    house: Path, make_cards: Callable[..., Path]
+) -> None:
+    raw = Dataset.open(house / "datasets" / "rollout_1")
+    select(raw, house / "datasets" / "audits", Asked.AUDIT)
+    card = (make_cards("other") / "datasets" / "audits.md").read_text()
+    assert "the frames that the reference was asked about, as audit. Each run" in card
+    assert "as context" not in card
 
 
 def test_the_columns_mean_what_the_page_says(cards: Path) -> None:
