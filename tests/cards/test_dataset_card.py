@@ -14,6 +14,7 @@ from lerobot.policies.diffusion.configuration_diffusion import DiffusionConfig
 
 from pipeline.data.dataset import Dataset
 from pipeline.data.ledger import collected
+from pipeline.data.schema import Asked
 from pipeline.data.selecting import select
 from pipeline.driving.features import FEATURES
 from tests.cards.conftest import ALDER, BIRCH
@@ -175,6 +176,20 @@ def test_of_context_it_says_that_it_is_no_label(
     assert "safedagger select --after 0.5\n" in card
     assert number(card, "queries") == raw.column("queried").sum() < number(card, "frames")
     assert "`queried` is false there, and our trainings pass over them" in card
+
+
+def test_of_audits_it_says_that_they_are_some(house: Path, make_cards: Callable[..., Path]) -> None:
+    drive = random_episode(np.random.default_rng(2), 3, task=ALDER, episode=7, iteration=2)
+    for name in ("asked_because", "queried"):
+        drive.columns[name][:] = 1
+    audited = write(house / "datasets" / "rollout_2", [drive], "rollout", audit=0.25)
+    select(audited, house / "datasets" / "audits_2", Asked.AUDIT)
+    folder = make_cards("other") / "datasets"
+    assert (
+        "A random 0.25 of the others was asked about, too." in (folder / "rollout_2.md").read_text()
+    )
+    card = (folder / "audits_2.md").read_text()
+    assert "`asked_because` says: audit." in card and "as context" not in card
 
 
 def test_the_columns_mean_what_the_page_says(cards: Path) -> None:
