@@ -179,14 +179,21 @@ def test_of_context_it_says_that_it_is_no_label(
     assert "`queried` is false there, and our trainings pass over them" in card
 
 
-def test_of_audits_it_says_why_they_were_asked(
-    house: Path, make_cards: Callable[..., Path]
-) -> None:
-    raw = Dataset.open(house / "datasets" / "rollout_1")
-    select(raw, house / "datasets" / "audits", Asked.AUDIT)
-    card = (make_cards("other") / "datasets" / "audits.md").read_text()
-    assert "the frames that the reference was asked about, as audit. Each run" in card
-    assert "as context" not in card
+def test_of_audits_it_says_that_they_are_some(house: Path, make_cards: Callable[..., Path]) -> None:
+    drive = random_episode(np.random.default_rng(2), 3, task=ALDER, episode=7, iteration=2)
+    for name in ("asked_because", "queried"):
+        drive.columns[name][:] = 1
+    audited = write(house / "datasets" / "rollout_2", [drive], "rollout", audit=0.25)
+    select(audited, house / "datasets" / "audits_2", Asked.AUDIT)
+    folder = make_cards("other") / "datasets"
+    assert (
+        "A random 0.25 of the others was asked about, too." in (folder / "rollout_2.md").read_text()
+    )
+    card = (folder / "audits_2.md").read_text()
+    assert (
+        "the frames that the reference was asked about, as audit. Each run" in card
+        and "as context" not in card
+    )
 
 
 def test_the_columns_mean_what_the_page_says(cards: Path) -> None:
