@@ -19,8 +19,11 @@ from pipeline.evaluation.wording import (
     pair,
     share,
     table,
+    written,
 )
+from pipeline.metric import COLLECTED
 
+COST = ("failures", "calls", "call_length")
 HEADER = (
     "Run",
     "Drives, seeds",
@@ -29,9 +32,7 @@ HEADER = (
     "Success",
     "Failures per 100 km",
     "As reliable?",
-    "Failures while collecting",
-    "Calls",
-    "Frames of a call",
+    *(COLLECTED[name].title for name in COST),
 )
 ANSWERS = {True: "yes", False: "no", None: "undecided"}
 
@@ -87,18 +88,16 @@ def _row(curves: Experiment, title: str, run: str, iteration: int, answer: str) 
         estimate(curves, "failures", cell(curves, run, where, iteration=iteration))
         for where in curves.conditions
     ]
-    written = FORMS[METRICS["failures"].form].value
+    amount = FORMS[METRICS["failures"].form].value
     return [
         title,
         f"{len(drives)}, {drives.seed.nunique()}",
         count(spent.queries),
         count(spent.labels),
         _success(curves, run, iteration),
-        pair(brief_interval(found, written) for found in failures),
+        pair(brief_interval(found, amount) for found in failures),
         answer,
-        count(spent.failures),
-        count(spent.calls),
-        count(spent.frames_of_calls / spent.calls if spent.calls else None),
+        *(written(COLLECTED[name], spent[name]) for name in COST),
     ]
 
 

@@ -60,7 +60,7 @@ def test_the_report_begins_with_the_label_curves(made_up: Experiment) -> None:
     assert row.startswith(
         f"| SafeDAgger, 500 labels | 80, 1 | 500 | 8,900 | {success} / {success} | 40 ["
     )
-    assert "| no, -30.0 [" in row and row.endswith(" | 3 | 30 | 17 |")
+    assert "| no, -30.0 [" in row and row.endswith(" | 3 | 30 | 16.7 |")
     before = "| before the loop | 80, 1 | 0 | 2,800 | 50.0 % "
     assert before in first and "There is one seed, 0, so" in first
     assert "| DAgger, 500 labels | 0 | 40.0 % [24.9 %, 56.7 %] /" in section(
