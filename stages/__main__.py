@@ -2,65 +2,42 @@
 
 import os
 import sys
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from importlib import import_module
 from importlib.metadata import version as version_of
 from typing import Annotated
 
 import typer
 from typer import TyperException
 
-from stages import (
-    cards,
-    collect,
-    compare,
-    compare_policies,
-    contact_sheet,
-    errors,
-    evaluate,
-    film,
-    inspect,
-    ledger,
-    merge,
-    options,
-    plan,
-    report,
-    results,
-    rollout,
-    rollout_dagger,
-    runs,
-    sample,
-    select,
-    split,
-    train_primary,
-    train_safety,
-    watch,
-)
+from stages import options
 
 STAGES = (
-    plan,
-    collect,
-    split,
-    train_primary,
-    train_safety,
-    rollout,
-    select,
-    rollout_dagger,
-    sample,
-    merge,
-    ledger,
-    evaluate,
-    errors,
-    contact_sheet,
-    film,
-    runs,
-    cards,
-    report,
-    results,
-    inspect,
-    compare,
-    compare_policies,
-    watch,
+    "plan",
+    "collect",
+    "split",
+    "train-primary",
+    "train-safety",
+    "rollout",
+    "select",
+    "rollout-dagger",
+    "sample",
+    "merge",
+    "ledger",
+    "evaluate",
+    "errors",
+    "contact-sheet",
+    "film",
+    "runs",
+    "cards",
+    "report",
+    "results",
+    "inspect",
+    "compare",
+    "compare-policies",
+    "watch",
 )
+"""All commands: of each, a file has a function of its name."""
 
 ENVIRONMENT = {
     # Commands work on this disk alone: else LeRobot answers a mistyped path by asking the network.
@@ -87,22 +64,18 @@ def commands(typed: Sequence[str]) -> typer.Typer:
     Raises:
         ValueError: there is none of that name.
     """
-    app = typer.Typer(
-        no_args_is_help=True,
-        add_completion=False,
-        rich_markup_mode=None,
-    )
+    app = typer.Typer(no_args_is_help=True, add_completion=False, rich_markup_mode=None)
     app.callback()(safedagger)
-    named = {
-        command.callback.__name__.replace("_", "-"): command.callback
-        for stage in STAGES
-        for command in stage.app.registered_commands
-        if command.callback is not None
-    }
-    one = typed[0] if typed and typed[0] in named else None
-    for name, command in named.items():
-        app.command(name)(options.chosen(command, typed) if one in (None, name) else lambda: None)
+    one = typed[0] if typed and typed[0] in STAGES else None
+    for name in STAGES:
+        known = one in (None, name)
+        app.command(name)(options.chosen(_command(name), typed) if known else lambda: None)
     return app
+
+
+def _command(name: str) -> Callable[..., None]:
+    name = name.replace("-", "_")
+    return getattr(import_module(f"stages.{name}"), name)
 
 
 def safedagger(

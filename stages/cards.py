@@ -7,10 +7,7 @@ import typer
 
 from stages import options
 
-app = typer.Typer()
 
-
-@app.command()
 def cards(
     datasets: Annotated[Path, typer.Option(help="Folder of datasets.")],
     models: Annotated[Path, typer.Option(help="Folder of policies.")],

@@ -4,17 +4,12 @@ And what the supervised strategy trains on in later iterations (Sec. 4.4).
 """
 
 from enum import StrEnum
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
 
 from stages import options
 from stages.recording import keep
-
-if TYPE_CHECKING:
-    from pipeline.task import Task
-
-app = typer.Typer()
 
 
 class Purpose(StrEnum):
@@ -26,11 +21,10 @@ class Purpose(StrEnum):
     supervised = "supervised"
 
 
-@app.command()
 def collect(
     context: typer.Context,
     output: options.Output,
-    task: "Task",
+    task: options.Task,
     episodes: Annotated[
         int, typer.Option(min=1, help="Drives, spread evenly over the scenarios.")
     ] = 70,

@@ -7,10 +7,7 @@ import typer
 
 from stages import options
 
-app = typer.Typer()
 
-
-@app.command()
 def compare(
     a: Annotated[Path, typer.Argument(help="A dataset, of an iteration's rollout say ...")],
     b: Annotated[Path, typer.Argument(help="... and another one, with some of the same tracks.")],

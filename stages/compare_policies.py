@@ -1,25 +1,19 @@
 """See two policies side by side: the same road, start and traffic, driven by each."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
 
 from stages import options
 
-if TYPE_CHECKING:
-    from pipeline.task import Task
 
-app = typer.Typer()
-
-
-@app.command()
 def compare_policies(
     primary_a: Annotated[Path, typer.Argument(help="A primary policy ...")],
     safety_a: Annotated[Path, typer.Argument(help="... and its safety policy.")],
     primary_b: Annotated[Path, typer.Argument(help="Another primary policy ...")],
     safety_b: Annotated[Path, typer.Argument(help="... and its safety policy.")],
-    task: "Task",
+    task: options.Task,
     strategy: options.Strategy,
     seed: options.Seed,
     cut: options.Cut = None,

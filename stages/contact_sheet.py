@@ -7,10 +7,7 @@ import typer
 
 from stages import options
 
-app = typer.Typer()
 
-
-@app.command()
 def contact_sheet(
     dataset: options.Dataset,
     output: Annotated[Path, typer.Argument(help="Where to draw it (PNG). It must not exist.")],

@@ -8,10 +8,7 @@ import typer
 from pipeline.registry import MEASURES
 from stages import options
 
-app = typer.Typer()
 
-
-@app.command()
 def errors(
     primary: options.Primary,
     trained: Annotated[Path, typer.Argument(help="What it was trained on: D_0.")],

@@ -1,22 +1,16 @@
 """Sec. 4.4: drive each scenario of a task by each strategy, in all conditions."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
 
 from stages import options
 
-if TYPE_CHECKING:
-    from pipeline.task import Task
 
-app = typer.Typer()
-
-
-@app.command()
 def evaluate(
     primary: options.Primary,
-    task: "Task",
+    task: options.Task,
     drives: Annotated[Path, typer.Option(help="Where to write each drive's outcome (CSV).")],
     metrics: options.Metrics,
     safety: options.SafetyIfAny = None,

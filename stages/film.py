@@ -1,25 +1,16 @@
 """Show a drive as a film: the track from above, what the car sees, and who drives."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
 
 from stages import options
 
-if TYPE_CHECKING:
-    import numpy as np
-    from numpy.typing import NDArray
 
-    from pipeline.task import Task
-
-app = typer.Typer()
-
-
-@app.command()
 def film(
     primary: options.Primary,
-    task: "Task",
+    task: options.Task,
     strategy: options.Strategy,
     show_every: Annotated[int, typer.Option(min=1, help="Frames to a picture of the film.")],
     output: Annotated[Path, typer.Option(help="The film to write (GIF). It must not exist.")],
@@ -57,17 +48,17 @@ def film(
         )
         for learner, watcher in ((primary, safety), *([other] if other else []))
     ]
-    films: list[list[NDArray[np.uint8]]] = []
-    ends = []
+    films, ends = [], []
     with options.progress("driving", len(pairs)) as advance_to:
         for before, (driver, rule) in enumerate(pairs):
             plan = Plan(task, track.name, rule, (seed, SEED_STREAMS["film"]))
-            films.append([])
+            shown = []
             for number, (picture, tally) in enumerate(shoot(plan, driver)):
                 if number % show_every == 0:
-                    films[-1].append(picture)
+                    shown.append(picture)
                 advance_to(before + tally.done)
+            films.append(shown)
             ends.append(str(tally))
-    pictures = beside(*films) if other else films[0]
+    pictures = beside(*films)
     write_file(output, gif(pictures, milliseconds=100))
     typer.echo(f"{output}: {len(pictures)} pictures; {' | '.join(ends)}")

@@ -6,10 +6,7 @@ import typer
 
 from stages import options
 
-app = typer.Typer()
 
-
-@app.command()
 def inspect(
     dataset: options.Dataset,
     episode: Annotated[int | None, typer.Option(help="Only this episode; 0 is the first.")] = None,

@@ -8,10 +8,7 @@ import typer
 
 from stages import options
 
-app = typer.Typer()
 
-
-@app.command()
 def ledger(
     raw: Annotated[
         Path, typer.Argument(help="Every frame driven: D', or D_0 and D_safe themselves.")

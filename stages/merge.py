@@ -7,10 +7,7 @@ import typer
 
 from stages import options
 
-app = typer.Typer()
 
-
-@app.command()
 def merge(
     parts: Annotated[
         list[Path], typer.Argument(help="D_{i-1}, and what was selected of D'; or any two or more.")

@@ -24,6 +24,10 @@ if TYPE_CHECKING:
 
     from pipeline.inspection.rerun_sinks import Sink
     from pipeline.learning.fitting import OnEpoch
+    from pipeline.policies.lesson import Lesson
+    from pipeline.task import Task
+else:
+    Task, Lesson = "Task", "Lesson"  # what can be any: see `chosen`
 
 Dataset = Annotated[Path, typer.Argument(help="A LeRobot dataset of this project.")]
 Output = Annotated[Path, typer.Argument(help="Where to write. It must not exist.")]
@@ -113,7 +117,7 @@ Port = Annotated[
 def chosen(command: Callable[..., None], typed: Sequence[str]) -> Callable[..., None]:
     """The command with options in the place of each parameter that is a dataclass of `Settings`.
 
-    One that is a "Task" or a "Lesson" can be any: which one, an option of the parameter's name says,
+    One that is a Task or a Lesson can be any: which one, an option of the parameter's name says,
     `--task driving`. So what a command takes is known only when it is called: see `typed`.
 
     Raises:

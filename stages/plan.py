@@ -7,10 +7,7 @@ import typer
 from stages import options
 from stages.parameters import read
 
-app = typer.Typer()
 
-
-@app.command()
 def plan(
     params: options.Params = Path("params.yaml"),
     loops: options.Loops = Path("loops.yaml"),

@@ -11,13 +11,10 @@ import typer
 
 from stages import options
 
-app = typer.Typer()
-
 ERRORS = "How the supervised primary's errors lie around tau (the paper's Fig. 2)"
 FRAMES = "What the first safety policy found safest and least safe (the paper's appendix)"
 
 
-@app.command()
 def report(
     metrics: Annotated[Path, typer.Option(help="Folder of seed_<n>/drives_<run>_<i>.csv, ...")],
     errors: Annotated[Path, typer.Option(help="Folder of seed_<n>.png, drawn by `errors`.")],

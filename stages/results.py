@@ -5,10 +5,7 @@ from typing import Annotated
 
 import typer
 
-app = typer.Typer()
 
-
-@app.command()
 def results(
     metrics: Annotated[
         Path, typer.Argument(help="Folder of seed_<n>/drives_<run>_<i>.csv, ...")

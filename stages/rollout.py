@@ -11,18 +11,14 @@ from stages.recording import keep
 
 if TYPE_CHECKING:
     from pipeline.rollout.recording import Recording
-    from pipeline.task import Task
-
-app = typer.Typer()
 
 
-@app.command()
 def rollout(
     context: typer.Context,
     primary: options.Primary,
     safety: options.Safety,
     output: options.Output,
-    task: "Task",
+    task: options.Task,
     queries: Annotated[
         int,
         typer.Option(min=1, help="Stop when the reference has been asked so often, audits too ..."),

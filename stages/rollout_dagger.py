@@ -1,25 +1,19 @@
 """DAgger's line 6 (Sec. 2.6): collect D' with a mixture of reference and primary, all labelled."""
 
 from itertools import count
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
 
 from stages import options
 from stages.recording import keep
 
-if TYPE_CHECKING:
-    from pipeline.task import Task
 
-app = typer.Typer()
-
-
-@app.command()
 def rollout_dagger(
     context: typer.Context,
     primary: options.Primary,
     output: options.Output,
-    task: "Task",
+    task: options.Task,
     frames: Annotated[int, typer.Option(min=1, help="How many frames to drive: each is a query.")],
     beta: Annotated[
         float, typer.Option(min=0, max=1, help="Probability that the reference drives a frame.")

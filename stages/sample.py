@@ -6,10 +6,7 @@ import typer
 
 from stages import options
 
-app = typer.Typer()
 
-
-@app.command()
 def sample(
     raw: options.Dataset,
     output: options.Output,

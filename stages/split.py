@@ -7,10 +7,7 @@ import typer
 
 from stages import options
 
-app = typer.Typer()
 
-
-@app.command()
 def split(
     dataset: options.Dataset,
     output: options.Output,

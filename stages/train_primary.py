@@ -1,7 +1,7 @@
 """Lines 3 and 9 of Algorithm 1: fit pi_i to D_i."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
 
@@ -9,18 +9,12 @@ from pipeline.learning.settings import Optimisation
 from pipeline.registry import LESSONS
 from stages import options
 
-if TYPE_CHECKING:
-    from pipeline.policies.lesson import Lesson
 
-app = typer.Typer()
-
-
-@app.command()
 def train_primary(
     context: typer.Context,
     dataset: options.Dataset,
     output: options.Output,
-    policy: "Lesson",
+    policy: options.Lesson,
     settings: Optimisation,
     initial: Annotated[
         Path | None, typer.Option(help="A primary policy to start from, else from scratch.")

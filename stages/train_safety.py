@@ -8,10 +8,7 @@ import typer
 from pipeline.learning.settings import SafetySettings
 from stages import options
 
-app = typer.Typer()
 
-
-@app.command()
 def train_safety(
     context: typer.Context,
     primary: options.Primary,

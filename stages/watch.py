@@ -3,16 +3,11 @@
 from contextlib import suppress
 from enum import StrEnum
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
 
 from stages import options
-
-if TYPE_CHECKING:
-    from pipeline.task import Task
-
-app = typer.Typer()
 
 
 class Driving(StrEnum):
@@ -24,9 +19,8 @@ class Driving(StrEnum):
     reference = "reference"
 
 
-@app.command()
 def watch(
-    task: "Task",
+    task: options.Task,
     primary: Annotated[
         Path | None, typer.Argument(help="A primary policy, as train-primary writes it.")
     ] = None,

@@ -11,11 +11,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from stages.__main__ import STAGES
 from tests.command import typed
 from tests.foreign import CAMERAS, foreign
 
 ROOT = Path(__file__).parent.parent
-STAGES = [path for path in ROOT.glob("stages/*.py") if "@app.command" in path.read_text()]
 PROGRAMS = ("safedagger", "lerobot-train")
 SHOWS = {"inspect", "compare", "compare-policies", "watch"}
 # what has more than one iteration, or another first one
@@ -101,7 +101,7 @@ def by_hand(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def test_one_iteration_by_hand(by_hand: Path) -> None:
     from pipeline.data.dataset import Dataset
 
-    of_an_iteration = {path.stem.replace("_", "-") for path in STAGES} - OF_A_RUN
+    of_an_iteration = {*STAGES} - OF_A_RUN
     assert {command[1] for command in commands(*BY_HAND)} == of_an_iteration
     for name in ("new_1", "new_dagger_1"):
         assert len(Dataset.open(by_hand / "mine" / name)) == 50

@@ -50,13 +50,11 @@ def shoot(plan: Plan, driver: Driver) -> Iterator[tuple[NDArray[np.uint8], Tally
         yield np.concatenate([head, above]), tally
 
 
-def beside(
-    left: Sequence[NDArray[np.uint8]], right: Sequence[NDArray[np.uint8]]
-) -> list[NDArray[np.uint8]]:
-    """Two films of the same height as one, uint8 [H, W + W', 3]; what is over shows its last picture."""
-    longer = max(len(left), len(right))
-    halves = ([*film, *[film[-1]] * (longer - len(film))] for film in (left, right))
-    return [np.concatenate(pair, axis=1) for pair in zip(*halves, strict=True)]
+def beside(*films: Sequence[NDArray[np.uint8]]) -> list[NDArray[np.uint8]]:
+    """Films of the same height as one, uint8 [H, W + W' ..., 3]; what is over shows its last picture."""
+    longest = max(map(len, films))
+    parts = ([*film, *[film[-1]] * (longest - len(film))] for film in films)
+    return [np.concatenate(pictures, axis=1) for pictures in zip(*parts, strict=True)]
 
 
 def gif(pictures: Sequence[NDArray[np.uint8]], milliseconds: int) -> bytes:

@@ -4,14 +4,17 @@ import shutil
 from pathlib import Path
 
 import pytest
+import typer
 from typer.testing import CliRunner
 
 from pipeline.report.figures import TITLES
-from stages.report import ERRORS, FRAMES, app
+from stages.report import ERRORS, FRAMES, report
 from tests.evaluation.made_up_curves import write_seed
 from tests.evaluation.sample import write_run
 
 TRAINING = {"strategies.png", "strategies_takeover.png", "strategies_cost.png"}
+APP = typer.Typer()
+APP.command()(report)
 ALWAYS = {"result.png", "training.png", "test.png"}
 
 
@@ -30,7 +33,7 @@ def arguments(root: Path, seeds: int = 1) -> list[str]:
 def test_it_writes_all_or_refuses(tmp_path: Path) -> None:
     given = arguments(tmp_path, seeds=2)
     output, figures = tmp_path / "cards" / "report.md", tmp_path / "cards" / "png"
-    result = CliRunner().invoke(app, given)
+    result = CliRunner().invoke(APP, given)
     assert result.exit_code == 0, result.output
     assert result.stdout.splitlines() == [f"{output}: 8 steps, 6 figures in {figures}"]
     names = {file.name for file in figures.iterdir()}
@@ -44,7 +47,7 @@ def test_it_writes_all_or_refuses(tmp_path: Path) -> None:
     for path in (output, figures / "optimal.png", figures / "test.png"):
         path.parent.mkdir(parents=True, exist_ok=True)
         path.write_text("precious")
-        again = CliRunner().invoke(app, given)
+        again = CliRunner().invoke(APP, given)
         assert isinstance(again.exception, FileExistsError)
         assert [file for file in (tmp_path / "cards").rglob("*") if file.is_file()] == [path]
         assert path.read_text() == "precious"
@@ -60,7 +63,7 @@ def test_variants_and_the_optimal_safety_policy_are_drawn_where_there_are(tmp_pa
     lines = csv.read_text().splitlines()
     optimal = [line.replace("safe,", "optimal,") for line in lines if ",safe," in line]
     csv.write_text("\n".join([*lines, *optimal]) + "\n")
-    result = CliRunner().invoke(app, given)
+    result = CliRunner().invoke(APP, given)
     assert result.exit_code == 0, result.output
     drawn = {file.name for file in (tmp_path / "cards" / "png").iterdir()}
     assert drawn == {f"{name}.png" for name in TITLES} | ALWAYS
@@ -70,7 +73,7 @@ def test_label_curves_come_first_where_there_are(tmp_path: Path) -> None:
     given = arguments(tmp_path)
     of_loop = [f"dagger4000_{i}" for i in (1, 2, 3)]
     write_seed(tmp_path / "curves" / "seed_4", "0", *of_loop)
-    result = CliRunner().invoke(app, [*given, "--curves", str(tmp_path / "curves")])
+    result = CliRunner().invoke(APP, [*given, "--curves", str(tmp_path / "curves")])
     assert result.exit_code == 0, result.output
     assert (tmp_path / "cards" / "png" / "labels.png").is_file()
     text = (tmp_path / "cards" / "report.md").read_text()
@@ -83,7 +86,7 @@ def test_a_seed_without_a_picture_is_named_in_the_report(tmp_path: Path) -> None
     (tmp_path / "errors" / "seed_0.png").unlink()
     for seed in range(2):
         (tmp_path / "frames" / f"seed_{seed}.png").unlink()
-    assert CliRunner().invoke(app, given).exit_code == 0
+    assert CliRunner().invoke(APP, given).exit_code == 0
     text = (tmp_path / "cards" / "report.md").read_text()
     assert f"- {ERRORS}, seed 0: no picture." in text
     assert f"- {FRAMES}, seed 1: no picture." in text
@@ -95,7 +98,7 @@ def test_a_seed_without_a_picture_is_named_in_the_report(tmp_path: Path) -> None
 def test_it_writes_nothing_where_something_is_missing(tmp_path: Path, missing: str) -> None:
     given, path = arguments(tmp_path), tmp_path / missing
     path.rename(tmp_path / "elsewhere")
-    result = CliRunner().invoke(app, given)
+    result = CliRunner().invoke(APP, given)
     assert isinstance(result.exception, FileNotFoundError)
     assert str(result.exception).startswith(f"{path}: no such ")
     assert not (tmp_path / "cards").exists()
