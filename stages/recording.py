@@ -10,29 +10,21 @@ if TYPE_CHECKING:
     from pipeline.data.lineage import Recipe
     from pipeline.data.schema import Episode
     from pipeline.rollout.recording import Recording
-    from pipeline.task import Task
 
 
 def keep(
     recordings: Iterable["Recording"],
     output: Path,
     recipe: "Recipe",
-    task: "Task",
+    task: options.Task,
     *,
     what: str,
     total: int,
-    count: Callable[["Recording"], int],
+    count: Callable[["Recording"], int] = lambda drive: drive.queries,
 ) -> str:
-    """Write drives as they are ready; says what there is then, and why they ended.
+    """Write drives of a task as they are ready; says what there is then, and why they ended.
 
-    Args:
-        recordings: drives of the task.
-        output: of the dataset.
-        recipe: how it is made.
-        task: what is driven.
-        what: is counted to show progress.
-        total: of that.
-        count: how much of that a drive is.
+    Progress is shown as a `total` of `what`, of which each drive is a `count`.
     """
     from pipeline.data.writing import write_dataset
 

@@ -100,15 +100,7 @@ def rollout(
     # the labels too: whoever looks at the rollout later has no safety policy at hand
     arguments = options.arguments(context) | {"cut": judgement.cut, "labels": labels}
     recipe = Recipe("rollout", arguments, [policy_lineage(primary), policy_lineage(safety)])
-    summary = keep(
-        judged(),
-        output,
-        recipe,
-        task,
-        what="queries",
-        total=queries,
-        count=lambda drive: drive.queries,
-    )
+    summary = keep(judged(), output, recipe, task, what="queries", total=queries)
     tau = labels["tau"]
     probability, deviation, why = (np.concatenate(parts) for parts in zip(*met, strict=True))
     quality = detection_quality(probability, deviation, tau, judgement.cut)

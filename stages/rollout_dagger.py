@@ -46,14 +46,4 @@ def rollout_dagger(
 
     recipe = Recipe("rollout-dagger", options.arguments(context), [policy_lineage(primary)])
     driven = until_queries(drives, frames, frames)
-    typer.echo(
-        keep(
-            driven,
-            output,
-            recipe,
-            task,
-            what="frames",
-            total=frames,
-            count=lambda drive: drive.queries,
-        )
-    )
+    typer.echo(keep(driven, output, recipe, task, what="frames", total=frames))
