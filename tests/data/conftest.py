@@ -8,7 +8,9 @@ import numpy as np
 import pytest
 
 from pipeline.data.dataset import Dataset
+from pipeline.data.merging import merge
 from pipeline.data.schema import Episode
+from pipeline.data.selecting import select
 from tests.episodes import JUDGED, random_episode, write
 
 
@@ -69,3 +71,36 @@ def rollout_1(tmp_path_factory: pytest.TempPathFactory, drives: list[Episode]) -
     """`drives` at 10 frames per second. Do not change it."""
     path = tmp_path_factory.mktemp("datasets") / "rollout_1"
     return write(path, drives, "rollout", **JUDGED)
+
+
+@pytest.fixture(scope="session")
+def new_1(tmp_path_factory: pytest.TempPathFactory, rollout_1: Dataset) -> Dataset:
+    """What was asked in `rollout_1`. Do not change it."""
+    path = tmp_path_factory.mktemp("datasets") / "new_1"
+    select(rollout_1, path)
+    return Dataset.open(path)
+
+
+@pytest.fixture(scope="session")
+def d_1(tmp_path_factory: pytest.TempPathFactory, d_0: Dataset, rollout_1: Dataset) -> Dataset:
+    """`d_0` and `rollout_1`. Do not change it."""
+    path = tmp_path_factory.mktemp("datasets") / "D_1"
+    merge([d_0, rollout_1], path)
+    return Dataset.open(path)
+
+
+@pytest.fixture(scope="session")
+def unasked(tmp_path_factory: pytest.TempPathFactory) -> Dataset:
+    """A rollout in which nobody was asked. Do not change it."""
+    drive = random_episode(np.random.default_rng(0), 4, iteration=1)
+    for name in ("intervention", "queried"):
+        drive.columns[name][:] = False
+    return write(tmp_path_factory.mktemp("datasets") / "unasked", [drive], "rollout")
+
+
+@pytest.fixture(scope="session")
+def nothing(tmp_path_factory: pytest.TempPathFactory, unasked: Dataset) -> Dataset:
+    """What was asked in `unasked`. Do not change it."""
+    path = tmp_path_factory.mktemp("datasets") / "nothing"
+    select(unasked, path)
+    return Dataset.open(path)

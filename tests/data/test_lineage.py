@@ -7,16 +7,14 @@ import pytest
 from pipeline.data.dataset import Dataset
 from pipeline.data.lineage import FILE, Lineage, Recipe
 from pipeline.data.merging import merge
-from pipeline.data.selecting import select
 from tests.data.spoiling import copy
 from tests.episodes import random_episode, write
 
 
 def test_it_says_what_it_is_and_what_it_was_made_from(
-    d_0: Dataset, rollout_1: Dataset, tmp_path: Path
+    d_0: Dataset, rollout_1: Dataset, new_1: Dataset, tmp_path: Path
 ) -> None:
-    select(rollout_1, tmp_path / "new")
-    merge([d_0, Dataset.open(tmp_path / "new")], tmp_path / "D_1")
+    merge([d_0, new_1], tmp_path / "D_1")
     lineage = Dataset.open(tmp_path / "D_1").lineage
     assert lineage.own.purpose == "merge"
     start, added = lineage.parents
@@ -30,15 +28,14 @@ def test_it_says_what_it_is_and_what_it_was_made_from(
 
 
 def test_its_id_fits_into_a_column_and_names_where_a_frame_was_recorded(
-    d_0: Dataset, rollout_1: Dataset, tmp_path: Path
+    d_0: Dataset, rollout_1: Dataset, d_1: Dataset
 ) -> None:
     for dataset in (d_0, rollout_1):
         own = dataset.lineage.id
         assert 0 <= own < 2**63
         assert f"{own:016x}" == f"{int(dataset.lineage.sha256[:16], 16) // 2:016x}"
         assert set(dataset.column("source.dataset").tolist()) == {own}
-    merge([d_0, rollout_1], tmp_path / "D_1")
-    source = Dataset.open(tmp_path / "D_1").column("source.dataset")
+    source = d_1.column("source.dataset")
     assert source.tolist() == [d_0.lineage.id] * 7 + [rollout_1.lineage.id] * 10
 
 

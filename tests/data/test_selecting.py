@@ -21,18 +21,12 @@ from tests.data.conftest import tree
 from tests.data.spoiling import copy, drop_column, set_last_image
 from tests.episodes import random_episode, write
 
-flags = st.lists(st.booleans(), max_size=40).map(lambda found: np.array(found, bool))
 
-
-@given(flags)
-def test_runs_cover_the_chosen_rows_and_no_others(rows: np.ndarray) -> None:
-    covered = [row for run in runs(rows) for row in range(run.start, run.stop)]
+@given(st.lists(st.booleans(), max_size=40))
+def test_runs_cover_the_chosen_rows_and_are_as_long_as_can_be(rows: list[bool]) -> None:
+    found = runs(np.array(rows, bool))
+    covered = [row for run in found for row in range(run.start, run.stop)]
     assert covered == np.flatnonzero(rows).tolist()
-
-
-@given(flags)
-def test_runs_are_as_long_as_can_be(rows: np.ndarray) -> None:
-    found = runs(rows)
     assert all(run.start < run.stop for run in found)
     assert all(a.stop < b.start for a, b in pairwise(found))
 
@@ -147,16 +141,14 @@ def test_pictures_pass_through_unseen(rollout_1: Dataset, tmp_path: Path) -> Non
 
 
 def test_of_a_part_the_pictures_statistics_are_those_of_its_episode(
-    rollout_1: Dataset, tmp_path: Path
+    rollout_1: Dataset, new_1: Dataset
 ) -> None:
-    select(rollout_1, tmp_path / "new")
-    new = Dataset.open(tmp_path / "new")
-    before, after = (pq.read_table(d.episode_files[0]) for d in (rollout_1, new))
-    kept = [int(new.column("source.episode")[start]) for start, _ in new.bounds]
+    before, after = (pq.read_table(d.episode_files[0]) for d in (rollout_1, new_1))
+    kept = [int(new_1.column("source.episode")[start]) for start, _ in new_1.bounds]
     for key in ("mean", "max", "q50"):
         of_episodes = before[f"stats/{CAMERA}/{key}"].to_pylist()
         assert after[f"stats/{CAMERA}/{key}"].to_pylist() == [of_episodes[e] for e in kept]
-    assert after[f"stats/{CAMERA}/count"].to_pylist() == [[n] for n in new.lengths]
+    assert after[f"stats/{CAMERA}/count"].to_pylist() == [[n] for n in new_1.lengths]
 
 
 @given(st.lists(st.integers(1, 90), min_size=1))
@@ -169,11 +161,8 @@ def test_a_row_group_has_whole_episodes_and_more_than_a_few_rows(lengths: list[i
         assert groups == lengths, "an episode each, as LeRobot has it"
 
 
-def test_what_nobody_asked_is_an_empty_dataset(tmp_path: Path) -> None:
-    drive = random_episode(np.random.default_rng(0), 5)
-    for name in ("intervention", "queried"):
-        drive.columns[name][:] = False
-    summary = select(write(tmp_path / "rollout", [drive]), tmp_path / "new")
+def test_what_nobody_asked_is_an_empty_dataset(unasked: Dataset, tmp_path: Path) -> None:
+    summary = select(unasked, tmp_path / "new")
     assert (summary.episodes, summary.frames, summary.queries) == (0, 0, 0)
     new = Dataset.open(tmp_path / "new")
     assert (len(new), list(new.features)) == (0, list(FEATURES))

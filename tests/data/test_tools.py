@@ -9,20 +9,14 @@ import pyarrow.parquet as pq
 import pytest
 
 from pipeline.data.dataset import Dataset
+from pipeline.data.images import read_episodes
 from pipeline.data.merging import merge
 from pipeline.data.schema import Episode
-from pipeline.data.selecting import select
 from pipeline.driving.features import CAMERA, FEATURES, ROBOT_TYPE
 from tests.data.conftest import strict_json
 
 NOBODY_KNOWS = ("primary_action", "safe_probability", "deviation")  # where the reference drives
 NUMBERS = [name for name in FEATURES if name != CAMERA]
-
-
-@pytest.fixture
-def new_1(rollout_1: Dataset, tmp_path: Path) -> Dataset:
-    select(rollout_1, tmp_path / "new_1")
-    return Dataset.open(tmp_path / "new_1")
 
 
 def same_rows(a: Dataset, rows: np.ndarray, b: Dataset) -> None:
@@ -31,13 +25,27 @@ def same_rows(a: Dataset, rows: np.ndarray, b: Dataset) -> None:
         np.testing.assert_array_equal(b.columns([name])[name], a.columns([name])[name][rows])
 
 
-def test_the_loader_gives_back_every_row(new_1: Dataset, load: Callable) -> None:
-    loaded = load(new_1.path)
-    assert (len(loaded), loaded.num_episodes) == (len(new_1), len(new_1.lengths))
-    for index in range(len(new_1)):
-        for name in NUMBERS:
-            value = np.atleast_1d(loaded[index][name].numpy())
-            np.testing.assert_array_equal(value, new_1.columns([name])[name][index])
+@pytest.mark.parametrize("name", ["rollout_1", "d_1", "new_1"])
+def test_the_loader_gives_back_every_row(
+    name: str, request: pytest.FixtureRequest, load: Callable
+) -> None:
+    """As it is read here."""
+    dataset = request.getfixturevalue(name)
+    loaded = load(dataset.path)
+    found = (loaded.fps, len(loaded), loaded.num_episodes)
+    assert found == (10, len(dataset), len(dataset.lengths))
+    items = iter(loaded)
+    for _, episode in read_episodes(dataset):
+        for row in range(len(episode)):
+            item = next(items)
+            assert item["task"] == episode.task
+            assert item["timestamp"].item() == pytest.approx(row / 10)
+            image = (item[CAMERA].numpy() * 255).round().astype(np.uint8)
+            np.testing.assert_array_equal(image.transpose(1, 2, 0), episode.columns[CAMERA][row])
+            for name in NUMBERS:
+                value = np.atleast_1d(item[name].numpy())
+                assert value.dtype == FEATURES[name]["dtype"]
+                np.testing.assert_array_equal(value, episode.columns[name][row])
 
 
 def test_recorded_is_what_lerobots_own_writer_records(
