@@ -15,6 +15,12 @@ def alder() -> Track:
 
 
 @pytest.fixture
+def willow() -> Track:
+    """Two lanes."""
+    return make_track("willow")
+
+
+@pytest.fixture
 def world_of() -> Iterator[Callable[[Track, Cars], World]]:
     """Makes worlds with the cars where they are wanted, and closes them."""
     worlds: list[World] = []

@@ -21,45 +21,55 @@ def test_lanes_beside(alder: Track, lane: int, left: int, right: int) -> None:
     assert (seen["lane_left"], seen["lane_right"]) == (left, right)
 
 
-def test_an_empty_road_reads_the_sensors_range(alder: Track) -> None:
-    seen = named(cars_at(alder, [50.0], [1]), alder)
-    for side in ("left", "ahead", "right"):
-        assert seen[f"car_{side}"] == 0 and seen[f"distance_{side}"] == SENSOR_RANGE
-
-
-def test_the_nearest_car_in_front_of_each_lane_counts(alder: Track) -> None:
-    s = [50.0, 70.0, 90.0, 80.0, 100.0, 62.0, 45.0]
-    seen = named(cars_at(alder, s, [1, 0, 0, 1, 1, 2, 1]), alder)
-    assert (seen["car_left"], seen["car_ahead"], seen["car_right"]) == (1, 1, 1)
-    assert seen["distance_left"] == pytest.approx(20 - LENGTH, abs=1e-4)
-    assert seen["distance_ahead"] == pytest.approx(30 - LENGTH, abs=1e-4)
-    assert seen["distance_right"] == pytest.approx(12 - LENGTH, abs=1e-4)
-
-
-def test_cars_beyond_the_range_behind_or_in_no_lane_of_ours_do_not_count(alder: Track) -> None:
-    far = 50.0 + LENGTH + SENSOR_RANGE
-    seen = named(cars_at(alder, [50.0, far, 40.0, 60.0], [0, 0, 0, 2]), alder)
-    for side in ("left", "ahead", "right"):
-        assert seen[f"car_{side}"] == 0 and seen[f"distance_{side}"] == SENSOR_RANGE
-
-
-def test_a_car_across_the_start_line_counts(alder: Track) -> None:
-    seen = named(cars_at(alder, [alder.length - 10.0, 15.0], [1, 1]), alder)
-    assert seen["distance_ahead"] == pytest.approx(25 - LENGTH, abs=1e-4)
-
-
-def test_a_car_beside_is_at_distance_zero(alder: Track) -> None:
-    seen = named(cars_at(alder, [50.0, 51.0], [1, 0]), alder)
-    assert (seen["car_left"], seen["distance_left"]) == (1, 0)
+FAR = LENGTH + SENSOR_RANGE
 
 
 @pytest.mark.parametrize(
-    ("offset", "reads"), [(0.0, 0.0), (0.9, 0.5), (-0.9, -0.5), (1.7, 1.7 / 1.8), (-4.0, -1.0)]
+    ("s", "others", "lanes", "gaps"),
+    [
+        pytest.param(50, [], [1], [None, None, None], id="an empty road"),
+        pytest.param(
+            *(50, [20, 40, 30, 50, 12, -5], [1, 0, 0, 1, 1, 2, 1], [20, 30, 12]),
+            id="the nearest in front of each lane",
+        ),
+        pytest.param(
+            *(50, [FAR, -10, 10], [0, 0, 0, 2], [None, None, None]),
+            id="beyond the range, behind, or in no lane beside ours",
+        ),
+        pytest.param(-10, [25], [1, 1], [None, 25, None], id="across the start line"),
+        pytest.param(50, [1], [1, 0], [LENGTH, None, None], id="beside, at distance zero"),
+    ],
 )
-def test_the_position_in_the_lane(alder: Track, offset: float, reads: float) -> None:
+def test_cars_ahead_to_the_left_in_our_lane_and_to_the_right(
+    alder: Track, s: float, others: list[float], lanes: list[int], gaps: list[float | None]
+) -> None:
+    """The others are so far ahead of ours, which is the first; gaps are from middle to middle."""
+    places = np.remainder([s, *(s + ahead for ahead in others)], alder.length)
+    seen = named(cars_at(alder, places.tolist(), lanes), alder)
+    for side, gap in zip(("left", "ahead", "right"), gaps, strict=True):
+        assert seen[f"car_{side}"] == (gap is not None)
+        expected = SENSOR_RANGE if gap is None else gap - LENGTH
+        assert seen[f"distance_{side}"] == pytest.approx(expected, abs=1e-4)
+
+
+@pytest.mark.parametrize(
+    ("offset", "angle", "position", "turned"),
+    [
+        (0.0, 0.0, 0.0, 0.0),
+        (0.9, FULL_ANGLE / 2, 0.5, 0.5),
+        (-0.9, -FULL_ANGLE / 5, -0.5, -0.2),
+        (1.7, 1.2, 1.7 / 1.8, 1.0),
+        (-4.0, -1.2, -1.0, -1.0),
+    ],
+)
+def test_the_position_in_the_lane_and_the_angle_to_it(
+    alder: Track, offset: float, angle: float, position: float, turned: float
+) -> None:
     lane = 2  # the rightmost: beyond its right line there is no other
-    seen = named(cars_at(alder, [50.0], [lane], offset=offset), alder)
-    assert seen["lane_position"] == pytest.approx(reads, abs=1e-5)
+    seen = named(cars_at(alder, [50.0], [lane], offset=offset, angle=angle), alder)
+    assert (seen["lane_position"], seen["lane_angle"]) == pytest.approx(
+        (position, turned), abs=1e-5
+    )
 
 
 def test_the_position_jumps_from_line_to_line(alder: Track) -> None:
@@ -67,15 +77,6 @@ def test_the_position_jumps_from_line_to_line(alder: Track) -> None:
     before = named(cars_at(alder, [50.0], [1], offset=left - 0.01), alder)["lane_position"]
     after = named(cars_at(alder, [50.0], [1], offset=left + 0.01), alder)["lane_position"]
     assert before > 0.99 and after < -0.99
-
-
-@pytest.mark.parametrize(
-    ("angle", "reads"),
-    [(0.0, 0.0), (FULL_ANGLE / 2, 0.5), (-FULL_ANGLE / 5, -0.2), (1.2, 1.0), (-1.2, -1.0)],
-)
-def test_the_angle_to_the_lane(alder: Track, angle: float, reads: float) -> None:
-    seen = named(cars_at(alder, [50.0], [1], angle=angle), alder)
-    assert seen["lane_angle"] == pytest.approx(reads, abs=1e-5)
 
 
 @given(track_names, st.integers(0, 2**32 - 1), st.integers(0, 40))

@@ -19,31 +19,6 @@ def image_of(world_of: WorldOf, track: Track, cars: Cars) -> np.ndarray:
     return world_of(track, cars).image()
 
 
-def test_an_image_is_what_the_schema_says(world_of: WorldOf, alder: Track) -> None:
-    image = image_of(world_of, alder, cars_at(alder, [0.0], [1]))
-    assert image.shape == IMAGE_SHAPE and image.dtype == np.uint8
-
-
-def test_two_worlds_in_the_same_state_look_the_same(world_of: WorldOf, alder: Track) -> None:
-    one, other = (
-        image_of(world_of, alder, cars_at(alder, [100.0, 120.0], [1, 0])) for _ in range(2)
-    )
-    assert one.tobytes() == other.tobytes()
-
-
-def test_an_image_depends_on_the_state_and_not_on_what_was_seen_before(
-    world_of: WorldOf, alder: Track
-) -> None:
-    world = world_of(alder, cars_at(alder, [100.0], [1]))
-    first = world.image()
-    world.cars = cars_at(alder, [400.0], [2])
-    world.scene.place(world.cars)
-    assert np.any(world.image() != first)
-    world.cars = cars_at(alder, [100.0], [1])
-    world.scene.place(world.cars)
-    np.testing.assert_array_equal(world.image(), first)
-
-
 def test_our_own_car_is_not_visible(world_of: WorldOf, alder: Track) -> None:
     cars = cars_at(alder, [100.0], [1])
     world = world_of(alder, cars)

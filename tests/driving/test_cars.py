@@ -53,13 +53,6 @@ def test_the_brake_stops_within_the_gap_at_which_the_reference_brakes(alder: Tra
     assert np.hypot(*(end - start)) < BRAKE_TIME * SPEED_LIMIT
 
 
-def test_a_braked_car_never_rolls_back(alder: Track) -> None:
-    cars = cars_at(alder, [0.0], [1], limit=0.01)
-    for _ in range(30):
-        move(cars, BRAKE, alder)
-        assert cars.speed[0] >= 0.0
-
-
 @pytest.mark.parametrize("speed", [0.0, 10.0, 25.0])
 def test_the_governor_holds_the_limit(alder: Track, speed: float) -> None:
     cars = cars_at(alder, [0.0], [1], limit=SPEED_LIMIT)
@@ -79,14 +72,9 @@ def test_the_wheels_lag_behind_their_command(alder: Track) -> None:
     path(cars, alder, np.array([[1.0, 0.0]]), steps)
     part = 1 - np.exp(-steps * DT / STEERING_LAG)
     assert cars.wheel[0] == pytest.approx(part * LOCK)
-    path(cars, alder, np.array([[1.0, 0.0]]), 60)
-    assert cars.wheel[0] == pytest.approx(LOCK)
-
-
-def test_the_lock_limits_the_wheels(alder: Track) -> None:
-    cars = cars_at(alder, [0.0], [1])
-    path(cars, alder, np.array([[-7.0, 0.0]]), 60)
-    assert cars.wheel[0] == pytest.approx(-LOCK)
+    for command in (1.0, -7.0):  # as far as the lock lets them
+        path(cars, alder, np.array([[command, 0.0]]), 60)
+        assert cars.wheel[0] == pytest.approx(np.sign(command) * LOCK)
 
 
 def test_cars_do_not_touch_each_others_state(alder: Track) -> None:

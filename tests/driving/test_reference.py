@@ -16,18 +16,6 @@ seeds = st.integers(0, 2**32 - 1)
 two_lane_names = st.sampled_from([name for name in NAMES if make_track(name).lanes == 2])
 
 
-@pytest.fixture
-def alder() -> Track:
-    """Three lanes."""
-    return make_track("alder")
-
-
-@pytest.fixture
-def willow() -> Track:
-    """Two lanes."""
-    return make_track("willow")
-
-
 def copy_of(cars: Cars) -> Cars:
     return replace(cars, **{field.name: getattr(cars, field.name).copy() for field in fields(cars)})
 
@@ -125,21 +113,25 @@ def pull(track: Track, s: list[float], lane: list[int]) -> float:
     return float(reference_actions(cars_at(track, s, lane), track)[0, 0] - alone)
 
 
-@pytest.mark.parametrize(("blocked", "sign"), [(0, -1), (2, 1)])
-def test_it_changes_to_the_side_that_is_free(alder: Track, blocked: int, sign: int) -> None:
+@pytest.mark.parametrize(
+    ("others", "lanes", "sign"),
+    [
+        pytest.param([32], [0], -1, id="to the right, which is free"),
+        pytest.param([32], [2], 1, id="to the left, which is free"),
+        pytest.param([], [], 1, id="to the left where both are free"),
+        pytest.param([32, 32], [0, 2], 0, id="nowhere: no lane is freer"),
+        *(
+            pytest.param([beside, beside], [0, 2], 0, id=f"nowhere: cars at {beside} m")
+            for beside in (-8, -2, 0, 2, 4)
+        ),
+    ],
+)
+def test_behind_another_it_changes(
+    alder: Track, others: list[float], lanes: list[int], sign: int
+) -> None:
     s = straightest(alder)
-    assert sign * pull(alder, [s, s + 28.0, s + 32.0], [1, 1, blocked]) > 0.05
-
-
-def test_it_stays_where_the_next_lane_is_no_freer(alder: Track) -> None:
-    s = straightest(alder)
-    assert pull(alder, [s, s + 28.0, s + 32.0, s + 32.0], [1, 1, 0, 2]) == 0
-
-
-@pytest.mark.parametrize("beside", [-8.0, -2.0, 0.0, 2.0, 4.0])
-def test_it_stays_where_cars_are_beside_or_close_behind(alder: Track, beside: float) -> None:
-    s = straightest(alder)
-    assert pull(alder, [s, s + 28.0, s + beside, s + beside], [1, 1, 0, 2]) == 0
+    left = pull(alder, [s, s + 28.0, *(s + ahead for ahead in others)], [1, 1, *lanes])
+    assert sign * left > 0.05 if sign else left == 0
 
 
 def test_it_waits_for_a_faster_car_from_behind(willow: Track) -> None:
@@ -184,11 +176,6 @@ def test_left_and_right_are_treated_alike(name: str, seed: int, traffic: int) ->
     image = place(mirror, cars.s, -cars.d, -cars.angle(track), cars.limit)
     seen, other = reference_actions(cars, track), reference_actions(image, mirror)
     np.testing.assert_allclose(seen * [-1, 1], other, atol=1e-5)
-
-
-def test_of_two_sides_equally_free_the_left_is_taken(alder: Track) -> None:
-    s = straightest(alder)
-    assert pull(alder, [s, s + 28.0], [1, 1]) > 0.05
 
 
 @pytest.mark.parametrize(("name", "seed"), [("willow", 0), ("alder", 1), ("maple", 2)])

@@ -48,11 +48,6 @@ def test_every_look_lies_within_what_training_shows(name: str) -> None:
     assert within_training(make_track(name).look)
 
 
-@pytest.mark.parametrize("name", TEST)
-def test_no_test_look_was_seen_in_training_as_a_whole(name: str) -> None:
-    assert TEST[name].look not in [design.look for design in TRAINING.values()]
-
-
 @given(st.integers(0, 10_000))
 def test_a_random_track_is_determined_by_its_seed(seed: int) -> None:
     one = make_track(f"random:{seed}")

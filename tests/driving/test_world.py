@@ -25,24 +25,18 @@ def meeting(track: Track, ours: float, theirs: float) -> Cars:
     return cars_at(track, [s, s + ahead], [1, 1], limit=[ours, theirs])
 
 
-@pytest.mark.parametrize(("ours", "theirs"), [(20, 10), (20, 0), (12, 10), (10, 20)])
+@pytest.mark.parametrize(
+    ("ours", "theirs", "pushing"), [(20, 10, 1), (20, 0, 1), (12, 10, 0), (10, 20, 1)]
+)
 def test_an_impact_does_damage_by_half_the_squared_closing_speed(
-    world_of: WorldOf, alder: Track, ours: float, theirs: float
+    world_of: WorldOf, alder: Track, ours: float, theirs: float, pushing: float
 ) -> None:
+    """Once, however long [s] the faster car pushes the slower one."""
     world = world_of(alder, meeting(alder, ours, theirs))
-    coast(world, 1.2 / abs(ours - theirs))
     # The governor would change nothing, and in this time the road hardly bends.
-    assert world.damage == pytest.approx(0.5 * (ours - theirs) ** 2, rel=0.03)
-
-
-@pytest.mark.parametrize(("ours", "theirs"), [(20, 10), (10, 20)])
-def test_a_lasting_touch_is_not_counted_again(
-    world_of: WorldOf, alder: Track, ours: float, theirs: float
-) -> None:
-    """The faster car pushes the slower one for a second."""
-    world = world_of(alder, meeting(alder, ours, theirs))
-    coast(world, 1.2)
-    assert world.damage == pytest.approx(0.5 * (ours - theirs) ** 2, rel=0.03)
+    for seconds in (1.2 / abs(ours - theirs), pushing):
+        coast(world, seconds)
+        assert world.damage == pytest.approx(0.5 * (ours - theirs) ** 2, rel=0.03)
 
 
 def test_an_impact_shares_the_speed_and_parts_the_cars(world_of: WorldOf, alder: Track) -> None:
@@ -78,19 +72,18 @@ def test_a_new_touch_counts_anew(world_of: WorldOf, alder: Track) -> None:
     assert world.touches == 2
 
 
-def test_no_contact_no_damage(world_of: WorldOf, alder: Track) -> None:
-    """Cars in the next lanes, beside ours, and one just behind it at our own speed."""
-    s = straightest(alder) - 10.0
-    cars = cars_at(alder, [s, s, s, s - LENGTH - 0.3], [1, 0, 2, 1])
-    world = world_of(alder, cars)
-    coast(world, 0.7)
-    assert world.damage == 0.0
-
-
-def test_cars_that_hit_each_other_do_not_damage_ours(world_of: WorldOf, alder: Track) -> None:
-    s = straightest(alder)
-    cars = cars_at(alder, [s - 80.0, s - 10.0, s], [1, 0, 0], limit=[15.0, 20.0, 0.0])
-    world = world_of(alder, cars)
+@pytest.mark.parametrize(
+    ("ahead", "lanes", "limit"),
+    [
+        pytest.param([0, 0, -LENGTH - 0.3], [1, 0, 2, 1], 15.0, id="beside, and just behind"),
+        pytest.param([70, 80], [1, 0, 0], [15.0, 20.0, 0.0], id="others hit each other"),
+    ],
+)
+def test_no_contact_no_damage(
+    world_of: WorldOf, alder: Track, ahead: list[float], lanes: list[int], limit: float
+) -> None:
+    s = straightest(alder) - (80.0 if ahead[0] else 10.0)
+    world = world_of(alder, cars_at(alder, [s, *(s + each for each in ahead)], lanes, limit=limit))
     coast(world, 1.0)
     assert world.damage == 0.0
 
@@ -143,27 +136,6 @@ def test_off_the_road(
 ) -> None:
     cars = cars_at(alder, [50.0], [lane], offset=offset, angle=angle)
     assert world_of(alder, cars).off_road is off
-
-
-def test_a_car_that_never_steers_leaves_the_road(alder: Track) -> None:
-    with World(alder, 0, (0.0, 0.0), np.random.default_rng(0)) as world:
-        coast(world, 20.0)
-        assert world.off_road
-
-
-def test_too_many_cars_are_refused(alder: Track) -> None:
-    with pytest.raises(ValueError, match="traffic is 1000, expected 0 to "):
-        World(alder, 1000, (0.0, 0.0), np.random.default_rng(0))
-
-
-def test_forty_one_cars_are_stepped_in_well_under_the_time_they_live(alder: Track) -> None:
-    """Only a guard against a loop over cars; benchmarks measure."""
-    from time import process_time
-
-    with World(alder, 40, (0.3, 0.05), np.random.default_rng(0)) as world:
-        start = process_time()
-        coast(world, 2.0)
-        assert process_time() - start < 1.0
 
 
 @pytest.mark.parametrize("car", [0, 1])

@@ -3,7 +3,6 @@
 import subprocess
 import sys
 
-import cloudpickle
 import numpy as np
 import pytest
 import torch
@@ -83,15 +82,6 @@ def test_many_images_at_once_are_as_one_by_one(primary, images):
 def test_no_images_give_no_rows(primary):
     actions, conv5 = propose(primary, {CAMERA: np.empty((0, 72, 160, 3), np.uint8)})
     assert (actions.shape, conv5.shape) == ((0, 2), (0, PrimaryNetwork(4).feature_size))
-
-
-def test_it_can_be_sent_to_another_process_and_is_the_same_there(primary, safety, images):
-    driver = Driver(primary, safety)
-    action, signals = driver.act({CAMERA: images[0]})
-    sent = cloudpickle.loads(cloudpickle.dumps(driver))
-    again, signals_again = sent.act({CAMERA: images[0]})
-    assert np.array_equal(action, again)
-    assert signals_again == signals
 
 
 def test_the_drivers_networks_are_its_own(images):

@@ -207,13 +207,6 @@ def test_so_is_one_of_other_shapes(act: Path, name: str) -> None:
         driver.check_task("pendulum", features)
 
 
-def test_a_car_shows_it_no_state(act: Path) -> None:
-    with pytest.raises(
-        ValueError, match=r"^observation\.state is missing, expected float32 \(3,\)$"
-    ):
-        Driver.load(act).act({"observation.image": frame()["observation.image"]})
-
-
 def test_a_module_is_read_at_its_input_or_its_output(act: Path) -> None:
     """What ACT's last layer takes, and what it gives, which is the action on its own scale."""
     torch.manual_seed(1)
@@ -227,6 +220,8 @@ def test_a_module_is_read_at_its_input_or_its_output(act: Path) -> None:
     assert taken.shape == (2, 32 + 1) and given.shape == (2, 1 + 1)
     assert torch.equal(taken[:, -1], given[:, -1])
     torch.testing.assert_close(given[:, 0] * STD + MEAN, given[:, 1], rtol=1e-4, atol=1e-4)
+    another = load_primary(act, "model.encoder_robot_state_input_proj")
+    assert isinstance(another, LeRobotActor) and another.feature_size == 3 + 1
 
 
 @pytest.mark.parametrize(
@@ -240,11 +235,6 @@ def test_a_module_is_read_at_its_input_or_its_output(act: Path) -> None:
 def test_a_module_that_it_has_not_is_named(act: Path, features_of: str, problem: str) -> None:
     with pytest.raises(ValueError, match=problem):
         load_primary(act, features_of)
-
-
-def test_another_module_may_be_named(act: Path) -> None:
-    actor = load_primary(act, "model.encoder_robot_state_input_proj")
-    assert isinstance(actor, LeRobotActor) and actor.feature_size == 3 + 1
 
 
 def test_what_lerobot_does_not_know_is_one_line(tmp_path: Path) -> None:

@@ -50,14 +50,6 @@ def test_the_loss_is_equation_4():
     assert loss.item() == pytest.approx(F.binary_cross_entropy(p, safe[:, 0]).item(), rel=1e-5)
 
 
-def test_its_gradient_never_reaches_the_primary():
-    primary = PrimaryNetwork(2, generator=torch.Generator().manual_seed(0))
-    conv5 = primary.features(torch.rand(2, 3, 72, 160)).flatten(1)
-    loss, _ = make().forward({FEATURES: conv5, "action": torch.ones(2, 1)})
-    loss.backward()
-    assert all(weight.grad is None for weight in primary.parameters())
-
-
 def test_it_is_loaded_as_it_was_saved_with_the_rule_of_its_labels(tmp_path: Path):
     policy = make(tau=0.01, cut=0.4, horizon=1.0, horizon_mode="max", measure="steering")
     policy.save_pretrained(tmp_path / "safety_0")
