@@ -33,20 +33,11 @@ def trial(strategy: Strategy, condition: str, rule: Rule | None = None) -> Trial
     return replace(found, plan=replace(found.plan, rule=rule or found.plan.rule))
 
 
-def test_every_case_is_driven_once() -> None:
+def test_every_case_is_driven_once_and_all_strategies_meet_the_same_starts() -> None:
     cases = {(t.plan.rule.name, t.condition, t.plan.scenario, t.start) for t in TRIALS}
     assert len(cases) == len(TRIALS) == 3 * 2 * 2 * 2
-
-
-def test_conditions_are_those_of_the_task_with_what_differs() -> None:
-    assert {(t.condition, t.settings["traffic"]) for t in TRIALS} == {
-        ("no_traffic", 0),
-        ("traffic", 3),
-    }
-    assert all(t.settings.keys() == {"traffic"} for t in TRIALS)
-
-
-def test_all_strategies_meet_the_same_starts() -> None:
+    conditions = {(t.condition, *t.settings.items()) for t in TRIALS}
+    assert conditions == {("no_traffic", ("traffic", 0)), ("traffic", ("traffic", 3))}
     naive, safe, optimal = ([t.plan.seed for t in TRIALS if t.plan.rule.name == s] for s in DRIVING)
     assert naive == safe == optimal
 

@@ -22,64 +22,66 @@ def measured(*rows: dict[str, Any]) -> dict[str, Any]:
     return measure(table(rows), METRICS)
 
 
-def test_laps_are_the_mean_over_the_drives() -> None:
-    assert measured(outcome(laps=1.0), outcome(laps=2.5, start=1))["laps"] == 1.75
+DONE, LATE = ({"ended": end, "off_road": 0.0} for end in ("laps done", "out of time"))
+STOOD = {"ended": "stood still", "off_road": 0.0, "distance_m": -1000.0}
+HALF = {"frames": 300, "takeover_frames": 200, "primary_frames": 100, "deviation_sum": 5.0}
+WHOLE = {"frames": 300, "primary_frames": 300, "deviation_sum": 3.0}
+REFERENCE = {"takeover_frames": 500, "primary_frames": 0, "deviation_sum": 0.0}
+ONE = {"laps": 1.0, "takeover_frames": 30, "primary_frames": 470, "takeovers": 3, "switches": 6}
+TWO = {"laps": 2.0, "takeover_frames": 20, "primary_frames": 480, "takeovers": 2, "switches": 3}
 
 
-def test_damage_is_per_distance_driven_and_pooled() -> None:
-    pooled = measured(outcome(laps=0.5, damage=6.0), outcome(laps=2.5, damage=0.0))
-    assert pooled["damage_per_lap"] == 2.0
-    assert measured(outcome(laps=0.0, damage=6.0))["damage_per_lap"] is None
+@pytest.mark.parametrize(
+    ("drives", "expected"),
+    [
+        pytest.param([{"laps": 1.0}, {"laps": 2.5}], {"laps": 1.75}, id="a mean over the drives"),
+        pytest.param(
+            [{"laps": 0.5, "damage": 6.0}, {"laps": 2.5}],
+            {"damage_per_lap": 2.0},
+            id="damage per distance driven, pooled",
+        ),
+        pytest.param([{"laps": 0.0, "damage": 6.0}], {"damage_per_lap": None}, id="no distance"),
+        pytest.param(
+            [WHOLE, HALF],
+            {"steering_mse": 8.0 / 400, "takeover": 200 / 600},
+            id="errors per frame of the primary",
+        ),
+        pytest.param(
+            [REFERENCE], {"steering_mse": None, "takeover": 1.0}, id="the reference alone"
+        ),
+        pytest.param(
+            [{"deviation_sum": math.nan}],
+            {"steering_mse": None, "takeover": 0.0, "takeover_length": None},
+            id="nobody can be looked up, and nobody takes over",
+        ),
+        pytest.param(
+            [{}, DONE, DONE, {}], {"off_road": 0.5}, id="off road is a share of the drives"
+        ),
+        pytest.param(
+            [DONE, DONE | {"touches": 2.0}, LATE, {}],
+            {"success": 0.25},
+            id="a success ends without a touch",
+        ),
+        pytest.param(  # road left, standstill, two touches: four in 20 km, however far backwards
+            [{}, STOOD, DONE | {"distance_m": 18_100.0, "touches": 2.0}],
+            {"failures": 20.0},
+            id="all that went wrong on the way",
+        ),
+        pytest.param(
+            [ONE, TWO],
+            {"takeover_length": 10.0, "switches_per_lap": 3.0},
+            id="takeovers have a mean length, and drivers change so often a lap",
+        ),
+    ],
+)
+def test_known_drives_give_known_metrics(
+    drives: list[dict[str, Any]], expected: dict[str, float | None]
+) -> None:
+    found = measured(*(outcome(**each) for each in drives))
+    assert {name: found[name] for name in expected} == pytest.approx(expected)
 
 
-def test_the_steering_error_is_per_frame_of_the_primary() -> None:
-    long = outcome(frames=300, primary_frames=300, deviation_sum=3.0)
-    short = outcome(frames=300, takeover_frames=200, primary_frames=100, deviation_sum=5.0)
-    pooled = measured(long, short)
-    assert pooled["steering_mse"] == 8.0 / 400
-    assert pooled["takeover"] == 200 / 600
-    reference = outcome(takeover_frames=500, primary_frames=0, deviation_sum=0.0)
-    assert measured(reference)["steering_mse"] is None
-    assert measured(reference)["takeover"] == 1.0
-
-
-def test_where_nobody_can_be_looked_up_nothing_is_measured() -> None:
-    unknown = measured(outcome(deviation_sum=math.nan))
-    assert unknown["steering_mse"] is None
-    assert unknown["takeover"] == 0.0
-
-
-def test_off_road_is_a_share_of_the_drives() -> None:
-    left = measured(*(outcome(off_road=off_road) for off_road in (1.0, 0.0, 0.0, 1.0)))
-    assert left["off_road"] == 0.5
-
-
-def test_a_success_is_a_drive_to_its_end_without_a_touch() -> None:
-    done = {"ended": "laps done", "off_road": 0.0}
-    ends = (done, done | {"touches": 2.0}, {"ended": "out of time", "off_road": 0.0}, {})
-    assert measured(*(outcome(**end) for end in ends))["success"] == 0.25
-
-
-def test_failures_are_all_that_went_wrong_on_the_way() -> None:
-    """The road left, a standstill, two touches: four in 20 km, however far backwards."""
-    stood = {"ended": "stood still", "off_road": 0.0, "distance_m": -1000.0}
-    far = {"ended": "laps done", "off_road": 0.0, "distance_m": 18_100.0, "touches": 2.0}
-    pooled = measured(*(outcome(**end) for end in ({}, stood, far)))
-    assert pooled["failures"] == pytest.approx(20.0)
-
-
-def test_takeovers_have_a_mean_length_and_drivers_change_so_often_a_lap() -> None:
-    one = outcome(laps=1.0, takeover_frames=30, primary_frames=470, takeovers=3, switches=6)
-    other = outcome(laps=2.0, takeover_frames=20, primary_frames=480, takeovers=2, switches=3)
-    pooled = measured(one, other)
-    assert (pooled["takeover_length"], pooled["switches_per_lap"]) == (10.0, 3.0)
-    assert measured(outcome())["takeover_length"] is None
-
-
-errors = st.floats(0, 4)
-
-
-@given(st.lists(st.tuples(errors, st.integers(1, 1000)), min_size=1, max_size=8))
+@given(st.lists(st.tuples(st.floats(0, 4), st.integers(1, 1000)), min_size=1, max_size=8))
 def test_pooled_error_is_between_least_and_largest(parts: list[tuple[float, int]]) -> None:
     rows = (outcome(frames=n, primary_frames=n, deviation_sum=mse * n) for mse, n in parts)
     pooled = measured(*rows)["steering_mse"]

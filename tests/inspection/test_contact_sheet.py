@@ -7,19 +7,19 @@ from pipeline.inspection.canvas import png
 from pipeline.inspection.contact_sheet import Shown, contact_sheet, extreme_frames
 
 
-def test_each_episode_gives_its_most_extreme_frame() -> None:
-    probability = np.array([0.9, 0.95, 0.1, np.nan, 0.2, 0.3, 0.8])
-    episode = np.array([0, 0, 0, 0, 1, 1, 2])
-    safest, least_safe = extreme_frames(probability, episode, 3)
-    assert safest.tolist() == [1, 6, 5]
-    assert least_safe.tolist() == [2, 4, 6]
-
-
-def test_with_few_episodes_they_give_more_than_one() -> None:
-    probability = np.array([0.5, 0.6, 0.7, 0.1])
-    safest, least_safe = extreme_frames(probability, np.array([0, 0, 0, 1]), 3)
-    assert safest.tolist() == [2, 3, 1]
-    assert least_safe.tolist() == [3, 0, 1]
+@pytest.mark.parametrize(
+    ("probability", "episode", "most", "least"),
+    [
+        ([0.9, 0.95, 0.1, np.nan, 0.2, 0.3, 0.8], [0, 0, 0, 0, 1, 1, 2], [1, 6, 5], [2, 4, 6]),
+        ([0.5, 0.6, 0.7, 0.1], [0, 0, 0, 1], [2, 3, 1], [3, 0, 1]),
+    ],
+    ids=["one of each", "more of few"],
+)
+def test_each_episode_gives_its_most_extreme_frame_before_others_come(
+    probability: list[float], episode: list[int], most: list[int], least: list[int]
+) -> None:
+    found = extreme_frames(np.array(probability), np.array(episode), 3)
+    assert [rows.tolist() for rows in found] == [most, least]
 
 
 @given(st.lists(st.tuples(st.floats(0, 1), st.integers(0, 4)), min_size=1, max_size=30), st.data())

@@ -38,20 +38,9 @@ def test_most_unsafe_first_two_seconds_before_one_second_after() -> None:
     )
 
 
-def test_a_window_ends_with_its_episode() -> None:
-    drove = np.array([False, True, True, False])
-    probability = np.array([0.9, 0.2, 0.4, 0.9])
-    found = takeovers(columns(drove, probability), np.array([0, 0, 1, 1]), fps=30)
-    assert found == [Takeover(0, 1, 2, 0, 2, 0.2, 0.1, 1), Takeover(1, 0, 1, 0, 2, 0.4, 0.2, 1)]
-
-
-def test_without_a_safety_policy_there_is_no_takeover() -> None:
-    drove, unknown = np.ones(5, bool), np.full(5, np.nan)
-    assert takeovers(columns(drove, unknown), np.zeros(5, np.int64), fps=10) == []
-
-
 @given(st.lists(FRAMES, min_size=1, max_size=80), st.sampled_from([1, 3, 10, 30]))
 def test_windows(frames: list[tuple[bool, float, int]], fps: int) -> None:
+    """Each is within its episode; what was driven without a safety policy is in none."""
     drove, probability, steps = (np.array(column) for column in zip(*frames, strict=True))
     episode_index = np.cumsum(steps) - steps[0]
     found = takeovers(columns(drove, probability), episode_index, fps=fps)
@@ -62,11 +51,12 @@ def test_windows(frames: list[tuple[bool, float, int]], fps: int) -> None:
         assert 0 <= takeover.first <= takeover.start < takeover.stop <= takeover.end <= len(rows)
         assert takeover.first in (0, takeover.start - 2 * fps)
         assert takeover.end in (len(rows), takeover.stop + fps)
-        seen[rows[takeover.start : takeover.stop]] += 1
+        driven = rows[takeover.start : takeover.stop]
+        seen[driven] += 1
         for beside in (takeover.start - 1, takeover.stop):
             assert not 0 <= beside < len(rows) or not taken[rows[beside]]
-        lowest = probability[rows[takeover.start : takeover.stop]].min()
-        assert takeover.safe_probability == lowest
+        assert takeover.safe_probability == probability[driven].min()
+        assert (takeover.deviation, takeover.queries) == (driven[-1] / 10, len(driven))
     assert np.array_equal(seen, taken.astype(int))
     order = [takeover.safe_probability for takeover in found]
     assert order == sorted(order)
