@@ -42,8 +42,8 @@ def watch(
     from pipeline.inspection.drawn import Tally, track_to_draw
     from pipeline.inspection.live import in_real_time, watched
     from pipeline.inspection.rerun_blueprints import live_blueprint
-    from pipeline.inspection.rerun_camera import COMPRESSED, RAW
     from pipeline.inspection.rerun_log import drive_tracer, new_recording
+    from pipeline.inspection.rerun_traces import COMPRESSED, RAW
     from pipeline.policies.computing import find_device
     from pipeline.policies.inference import Driver
     from pipeline.rollout.judgement import Judgement, rule_of

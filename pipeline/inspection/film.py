@@ -58,11 +58,8 @@ def beside(*films: Sequence[NDArray[np.uint8]]) -> list[NDArray[np.uint8]]:
 
 
 def gif(pictures: Sequence[NDArray[np.uint8]], milliseconds: int) -> bytes:
-    """The pictures, uint8 [H, W, 3], one after the other and again; equal ones give equal bytes.
-
-    Args:
-        pictures: of one size, at least one.
-        milliseconds: that each is shown, a multiple of 10.
+    """The pictures, uint8 [H, W, 3] of one size, one after the other and again, each for so many
+    `milliseconds`, a multiple of 10. Equal ones give equal bytes.
 
     Raises:
         ValueError: there are no pictures.

@@ -33,10 +33,7 @@ def pairs(a: Dataset, b: Dataset, number: int = 0) -> list[Pair]:
     Where the two began on the track is up to them. In memory are the images of one drive on each
     track of either dataset, 35 kB each.
 
-    Args:
-        a: a dataset of the car's.
-        b: another one.
-        number: which of the drives on a track; 0 is the first.
+    `number` is which of the drives on a track; 0 is the first.
 
     Raises:
         ValueError: other frame rates or another robot's; no such drives on any track.

@@ -12,9 +12,8 @@ from pipeline.driving.tracks import Track
 from pipeline.inspection.excerpts import Excerpt
 from pipeline.inspection.footage import Footage, track_of
 from pipeline.inspection.pairs import Pair
-from pipeline.inspection.rerun_camera import COMPRESSED
 from pipeline.inspection.rerun_top_view import log_track, top_view
-from pipeline.inspection.rerun_traces import Trace, Tracer, dots, lane, level, line
+from pipeline.inspection.rerun_traces import COMPRESSED, Trace, Tracer, dots, lane, level, line
 from pipeline.rollout.judgement import Judgement
 
 APPLICATION = "safedagger"
@@ -26,12 +25,7 @@ Connect = Callable[[rr.RecordingStream], None]
 
 
 def log_excerpt(excerpt: Excerpt, connect: Connect, *, fps: int) -> None:
-    """Send an excerpt as one recording.
-
-    Args:
-        excerpt: what to send.
-        connect: is called once, before anything is sent.
-        fps: frames per second.
+    """Send an excerpt as one recording; `connect` is called once, before anything is sent.
 
     Raises:
         ValueError: the episode's task names no track.
@@ -57,13 +51,8 @@ def log_pair(pair: Pair, connect: Connect, *, fps: int) -> None:
 def new_recording(
     name: str, title: str, track: Track | None, connect: Connect
 ) -> Iterator[rr.RecordingStream]:
-    """A recording that already shows its track, complete when the block ends.
-
-    Args:
-        name: its id.
-        title: what the viewer calls it.
-        track: where it was recorded, if that was on one.
-        connect: is called once, before anything is sent.
+    """A recording with this id and title that already shows its track, if it was on one; complete
+    when the block ends. `connect` is called once, before anything is sent.
     """
     with rr.RecordingStream(APPLICATION, recording_id=name) as recording:
         connect(recording)
@@ -83,14 +72,11 @@ def drive_tracer(
     colors: tuple[int, int] = (BLUE, RED),
     camera: Trace = COMPRESSED,
 ) -> Tracer:
-    """What sends all that is shown of a drive.
+    """What sends all that is shown of a drive; for `recording` and `root` see `Tracer`.
 
     Args:
-        recording: is connected already.
-        fps: frames per second.
         judgement: its cut is drawn with the safe probability, its tau with the deviation; None
             where there is no safety policy.
-        root: in front of all entities where a recording has several drives: "a/", say.
         colors: of the primary's and of the reference's driving in the top view.
         camera: one of COMPRESSED and RAW.
     """

@@ -42,10 +42,6 @@ class Sink:
 def into_file(path: Path, blueprint: rrb.Blueprint) -> Iterator[Sink]:
     """One file at `path`, which appears complete or not at all.
 
-    Args:
-        path: a new file.
-        blueprint: where the viewer shows what.
-
     Raises:
         FileExistsError: there is something at `path`.
         ValueError: its name does not end in .rrd.
@@ -74,7 +70,6 @@ def into_viewer(blueprint: rrb.Blueprint, *, web: bool, port: int = 0) -> Iterat
     Connecting to a viewer that was closed ends the block.
 
     Args:
-        blueprint: where the viewer shows what.
         web: serve a page to a browser, instead of opening a window.
         port: of the page; its data has the next one. 0: any two.
 

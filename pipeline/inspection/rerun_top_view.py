@@ -42,13 +42,7 @@ def log_track(recording: rr.RecordingStream, track: Track) -> None:
 
 
 def top_view(*, primary: int, reference: int, label: str | None = None) -> list[Trace]:
-    """What moves in the top view.
-
-    Args:
-        primary: the colour of our car and its line where the primary drives.
-        reference: where the reference does.
-        label: is written at our car.
-    """
+    """What moves in the top view; our car and its line have the colour of who drives."""
 
     def colors(footage: Footage) -> NDArray[np.uint32]:
         return np.where(footage.intervention, reference, primary).astype(np.uint32)
@@ -70,19 +64,17 @@ def top_view(*, primary: int, reference: int, label: str | None = None) -> list[
         origins, tips = _flipped(footage.vehicle_state[:, :2]), _ahead(footage.vehicle_state, NOSE)
         return rr.Arrows2D.columns(origins=origins, vectors=tips)
 
+    look = rr.LineStrips2D.from_fields
     return [
-        Trace("top_view/driven", _look(radii=DRIVEN, draw_order=WAY), driven),
-        Trace("top_view/others", _look(colors=YELLOW, radii=WIDTH / 2, draw_order=CARS), others),
-        Trace("top_view/car", _look(radii=WIDTH / 2, draw_order=OURS, labels=label), ours),
+        Trace("top_view/driven", look(radii=DRIVEN, draw_order=WAY), driven),
+        Trace("top_view/others", look(colors=YELLOW, radii=WIDTH / 2, draw_order=CARS), others),
+        Trace("top_view/car", look(radii=WIDTH / 2, draw_order=OURS, labels=label), ours),
         Trace(
             "top_view/heading",
             rr.Arrows2D.from_fields(colors=WHITE, radii=ARROW, draw_order=OURS),
             heading,
         ),
     ]
-
-
-_look = rr.LineStrips2D.from_fields
 
 
 def _strips(poses: NDArray) -> NDArray:

@@ -4,13 +4,15 @@ import sys
 from collections.abc import Callable
 from dataclasses import dataclass
 
+import cv2
 import numpy as np
 import rerun as rr
 from numpy.typing import NDArray
 
+from pipeline.driving.features import IMAGE_SHAPE
 from pipeline.inspection.footage import Footage
 
-ALL = sys.maxsize
+ALL, PICTURES = sys.maxsize, 64
 
 
 @dataclass(frozen=True)
@@ -28,13 +30,8 @@ class Trace:
 
 
 class Tracer:
-    """Sends a drive to a recording, on the timelines `frame_index` and `timestamp`.
-
-    Args:
-        recording: is connected already.
-        traces: what to send.
-        fps: frames per second.
-        root: in front of every entity, where a recording has several drives: "a/", say.
+    """Sends a drive to a connected recording, on the timelines `frame_index` and `timestamp`; `root`
+    is in front of every entity, where a recording has several drives: "a/", say.
     """
 
     def __init__(
@@ -96,3 +93,25 @@ def _plot(entity: str, look: rr.AsComponents, values: Callable[[Footage], NDArra
 
 def _label(entity: str) -> str:
     return entity.rsplit("/")[-1].replace("_", " ")
+
+
+def _pngs(footage: Footage) -> rr.ComponentColumnList:
+    pngs = [_png(image) for image in footage.image]
+    return rr.EncodedImage.columns(blob=pngs, media_type=["image/png"] * len(pngs))
+
+
+def _png(image: NDArray[np.uint8]) -> bytes:
+    return cv2.imencode(".png", cv2.cvtColor(image, cv2.COLOR_RGB2BGR))[1].tobytes()
+
+
+def _buffers(footage: Footage) -> rr.ComponentColumnList:
+    return rr.Image.columns(buffer=[image.tobytes() for image in footage.image])
+
+
+_FORMAT = rr.components.ImageFormat(
+    width=IMAGE_SHAPE[1], height=IMAGE_SHAPE[0], color_model="RGB", channel_datatype="U8"
+)
+COMPRESSED = Trace("camera", None, _pngs, PICTURES)
+"""The camera's pictures, as PNG."""
+RAW = Trace("camera", rr.Image.from_fields(format=_FORMAT), _buffers, PICTURES)
+"""Twice as large: for a live view, which would wait for each PNG to be read and show none."""

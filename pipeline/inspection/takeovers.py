@@ -48,12 +48,8 @@ def takeovers(
 ) -> list[Takeover]:
     """All takeovers, most unsafe first, equally unsafe ones in the order of the dataset.
 
-    What the reference drove without a safety policy is no takeover.
-
-    Args:
-        columns: those of JUDGED, each [N].
-        episode_index: [N], never falling.
-        fps: frames per second.
+    What the reference drove without a safety policy is no takeover. `columns` are those of JUDGED,
+    each [N]; `episode_index`, [N], never falls.
     """
     found: list[Takeover] = []
     for episode in np.unique(episode_index):

@@ -16,9 +16,9 @@ from pipeline.inspection.drawn import drawn
 from pipeline.inspection.footage import Footage
 from pipeline.inspection.live import in_real_time, watched
 from pipeline.inspection.rerun_blueprints import live_blueprint
-from pipeline.inspection.rerun_camera import RAW
 from pipeline.inspection.rerun_log import drive_tracer, new_recording
 from pipeline.inspection.rerun_sinks import into_file
+from pipeline.inspection.rerun_traces import RAW
 from pipeline.policies.inference import Driver
 from pipeline.policies.network import SafetyNetwork
 from pipeline.rollout.judgement import Judgement
