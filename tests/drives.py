@@ -1,8 +1,13 @@
-"""Plans of short drives, for any test that needs one."""
+"""Plans of short drives, and who drives them, for any test that needs one."""
 
 from typing import Any
 
+import torch
+
+from pipeline.driving.network import PrimaryNetwork
 from pipeline.driving.task import Driving
+from pipeline.policies.inference import Driver
+from pipeline.policies.network import SafetyNetwork
 from pipeline.rollout.plans import Plan
 from pipeline.rollout.rules.rule import Rule
 
@@ -13,3 +18,10 @@ def plan(
     """One drive of a second on a track, among three other cars."""
     usual = {"traffic": 3, "action_repeat": 3, "seconds": 1.0}
     return Plan(Driving(tracks=track, **(usual | settings)), track, rule, seed)
+
+
+def untrained(**settings: Any) -> Driver:
+    """A narrow primary and its safety policy, the same at each call."""
+    generator = torch.Generator().manual_seed(0)
+    primary = PrimaryNetwork(2, generator=generator, **settings)
+    return Driver(primary, SafetyNetwork(primary.feature_size, 4, generator=generator))

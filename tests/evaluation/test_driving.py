@@ -1,18 +1,16 @@
 from dataclasses import replace
 
 import pytest
-import torch
 
-from pipeline.driving.network import PrimaryNetwork
 from pipeline.driving.task import Driving
 from pipeline.evaluation.drives import COLUMNS
 from pipeline.evaluation.driving import Trial, evaluate, trials
 from pipeline.policies.inference import Driver
-from pipeline.policies.network import SafetyNetwork
 from pipeline.rollout.judgement import Judgement, rule_of
 from pipeline.rollout.rules.rule import Rule
 from pipeline.rollout.rules.safe import Safe
 from pipeline.rollout.strategies import DRIVING, Strategy
+from tests.drives import untrained
 
 TRUSTING = Judgement(cut=0.0, tau=9.0, measure="steering")
 RULES = [rule_of(strategy, TRUSTING) for strategy in DRIVING]
@@ -23,9 +21,7 @@ TRIALS = list(trials(TASK, RULES, 2, seed=0))
 
 @pytest.fixture(scope="module")
 def driver() -> Driver:
-    generator = torch.Generator().manual_seed(0)
-    primary = PrimaryNetwork(2, generator=generator)
-    return Driver(primary, SafetyNetwork(PrimaryNetwork(2).feature_size, 4, generator=generator))
+    return untrained()
 
 
 def trial(strategy: Strategy, condition: str, rule: Rule | None = None) -> Trial:

@@ -3,9 +3,7 @@
 from dataclasses import replace
 
 import pytest
-import torch
 
-from pipeline.driving.network import PrimaryNetwork
 from pipeline.inspection.drawn import Tally, drawn, track_to_draw
 from pipeline.policies.inference import Driver
 from pipeline.rollout.plans import Plan
@@ -17,11 +15,6 @@ from tests.stages.pendulum import Pendulum
 
 PLAN = plan(Mixture(0.7), track="birch", seed=(3,), seconds=3.0)
 ALONE = replace(PLAN, rule=Reference())
-
-
-@pytest.fixture(scope="module")
-def driver() -> Driver:
-    return Driver(PrimaryNetwork(2, generator=torch.Generator().manual_seed(0)))
 
 
 def test_the_tally(driver: Driver) -> None:

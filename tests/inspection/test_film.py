@@ -4,10 +4,8 @@ import io
 
 import numpy as np
 import pytest
-import torch
 from PIL import Image
 
-from pipeline.driving.network import PrimaryNetwork
 from pipeline.driving.tracks import make_track
 from pipeline.inspection.film import PRIMARY, REFERENCE, beside, gif, shoot
 from pipeline.inspection.tracks import track_map
@@ -18,11 +16,6 @@ from pipeline.rollout.rules.reference import Reference
 from tests.drives import plan
 
 BY_PRIMARY, BY_REFERENCE = (plan(rule, track="yew") for rule in (Naive(), Reference()))
-
-
-@pytest.fixture(scope="module")
-def driver() -> Driver:
-    return Driver(PrimaryNetwork(2, generator=torch.Generator().manual_seed(0)))
 
 
 @pytest.mark.parametrize(

@@ -6,11 +6,8 @@ from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
-import pytest
-import torch
 
 from pipeline.driving.features import CAMERA
-from pipeline.driving.network import PrimaryNetwork
 from pipeline.driving.tracks import make_track
 from pipeline.inspection.drawn import drawn
 from pipeline.inspection.footage import Footage
@@ -20,7 +17,6 @@ from pipeline.inspection.rerun_log import drive_tracer, new_recording
 from pipeline.inspection.rerun_sinks import into_file
 from pipeline.inspection.rerun_traces import RAW
 from pipeline.policies.inference import Driver
-from pipeline.policies.network import SafetyNetwork
 from pipeline.rollout.judgement import Judgement
 from pipeline.rollout.recording import record
 from pipeline.rollout.rules.mixture import Mixture
@@ -29,14 +25,6 @@ from tests.drives import plan
 from tests.inspection.saved import batches, column, origins, recordings
 
 PLAN = plan(Mixture(0.7), track="birch", traffic=30, seed=(3,), seconds=3.0)
-
-
-@pytest.fixture(scope="module")
-def driver() -> Driver:
-    generator = torch.Generator().manual_seed(0)
-    primary = PrimaryNetwork(2, brake_cut=1.0, generator=generator)
-    safety = SafetyNetwork(PrimaryNetwork(2).feature_size, 4, generator=generator)
-    return Driver(primary, safety)
 
 
 def test_every_frame_is_as_recorded(driver: Driver) -> None:

@@ -4,11 +4,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-import torch
 from rerun.experimental import RrdReader, StoreEntry
 
 from pipeline.driving.cars import LENGTH, WIDTH
-from pipeline.driving.network import PrimaryNetwork
 from pipeline.driving.tracks import SHOULDER, make_track
 from pipeline.inspection.excerpts import Excerpt
 from pipeline.inspection.footage import Footage
@@ -25,11 +23,10 @@ NORTH_UP = np.array([1, -1])
 
 
 @pytest.fixture(scope="module")
-def excerpt() -> Excerpt:
+def excerpt(driver: Driver) -> Excerpt:
     """By turns an untrained primary and the reference drive for 8 s, longer than is sent at once."""
     long = plan(Mixture(0.8), traffic=40, seconds=8.0)
-    primary = PrimaryNetwork(2, brake_cut=1.0, generator=torch.Generator().manual_seed(0))
-    episode = record(long, Driver(primary), 0, 0).episode
+    episode = record(long, driver, 0, 0).episode
     assert len(episode) > 64 and 0 < episode.columns["intervention"].mean() < 1
     return Excerpt("title", "name", episode, 0)
 

@@ -1,6 +1,5 @@
 """The commands that show something, each into a file."""
 
-import sys
 from pathlib import Path
 
 import numpy as np
@@ -15,7 +14,7 @@ from pipeline.inspection.excerpts import ranked_takeovers
 from pipeline.policies.loading import weights_sha256
 from pipeline.policies.network import SafetyNetwork
 from pipeline.policies.safety import SafetyConfig, SafetyPolicy
-from stages import __main__ as cli
+from tests.command import run
 from tests.episodes import random_episode, write
 from tests.inspection.saved import column, recordings
 
@@ -47,11 +46,9 @@ def made(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return root
 
 
-def run(monkeypatch: pytest.MonkeyPatch, *arguments: object) -> int:
-    monkeypatch.setattr(sys, "argv", ["safedagger", *map(str, arguments)])
-    with pytest.raises(SystemExit) as exit_:
-        cli.main()
-    return int(exit_.value.code or 0)
+@pytest.fixture(autouse=True)
+def _stand_in(made: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(made)
 
 
 @pytest.mark.parametrize(
@@ -77,14 +74,11 @@ def run(monkeypatch: pytest.MonkeyPatch, *arguments: object) -> int:
 def test_a_file_for_rerun(
     typed: list[str],
     expected: str,
-    made: Path,
     tmp_path: Path,
-    monkeypatch: pytest.MonkeyPatch,
     capsys: pytest.CaptureFixture[str],
 ) -> None:
-    monkeypatch.chdir(made)
     path = tmp_path / "shown.rrd"
-    assert run(monkeypatch, *typed, "--save", path) == 0
+    assert run(*typed, "--save", path) == 0
     assert [entry.recording_id for entry in recordings(path)] == [expected]
     *before, last = capsys.readouterr().out.splitlines()
     assert last == f"{path}: open it with `rerun {path}`"
@@ -97,10 +91,9 @@ def test_a_file_for_rerun(
 
 
 def test_takeovers_are_listed_as_they_are_ranked(
-    made: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    monkeypatch.chdir(made)
-    assert run(monkeypatch, "inspect", "a", "--unsafe", "--save", tmp_path / "x.rrd") == 0
+    assert run("inspect", "a", "--unsafe", "--save", tmp_path / "x.rrd") == 0
     *listed, size, _ = capsys.readouterr().out.splitlines()
     expected = ranked_takeovers(Dataset.open(Path("a")))
     assert listed == [f"{rank:04d}: {takeover}" for rank, takeover in enumerate(expected, 1)]
@@ -112,17 +105,16 @@ def test_takeovers_are_listed_as_they_are_ranked(
 
 
 def test_driving_naively_needs_no_safety_policy(
-    made: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     """And is the same drive with one: filmed, and evaluated."""
-    monkeypatch.chdir(made)
     shown = {}
     for name, policies in (("with", BOTH[:2]), ("without", BOTH[:1])):
         film, drives, metrics = (tmp_path / f"{name}.{kind}" for kind in ("gif", "csv", "json"))
-        assert run(monkeypatch, "film", *policies, *FILM, film) == 0
+        assert run("film", *policies, *FILM, film) == 0
         assert capsys.readouterr().out.endswith("0 takeovers; ended: out of time\n")
         typed = [*WATCH, *EVALUATE, drives, "--metrics", metrics, "--strategies", "naive"]
-        assert run(monkeypatch, "evaluate", *policies, *typed) == 0
+        assert run("evaluate", *policies, *typed) == 0
         assert capsys.readouterr().out.endswith(
             "0 of them by the reference; ended: out of time 2\n"
         )
@@ -131,27 +123,23 @@ def test_driving_naively_needs_no_safety_policy(
 
 
 def test_a_film_of_two_is_as_wide_as_both(
-    made: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    monkeypatch.chdir(made)
     alone, both = tmp_path / "alone.gif", tmp_path / "both.gif"
-    assert run(monkeypatch, "film", *BOTH[:2], *FILM, alone) == 0
-    assert run(monkeypatch, "film", *BOTH[:2], "--beside", *BOTH[2:], *FILM, both) == 0
+    assert run("film", *BOTH[:2], *FILM, alone) == 0
+    assert run("film", *BOTH[:2], "--beside", *BOTH[2:], *FILM, both) == 0
     assert capsys.readouterr().out.splitlines()[1].count("ended: out of time") == 2
     (width, height), wider = (Image.open(path).size for path in (alone, both))
     assert wider == (2 * width, height)
 
 
-def test_each_side_is_driven_by_its_own_policies(
-    made: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_each_side_is_driven_by_its_own_policies(tmp_path: Path) -> None:
     """What a and b propose and believe is what `watch` shows of them alone."""
-    monkeypatch.chdir(made)
     how = [*WATCH, "--strategy", "naive", "--save"]
     pair, alone_a, alone_b = (tmp_path / f"{name}.rrd" for name in ("pair", "a", "b"))
-    assert run(monkeypatch, "compare-policies", *BOTH, *how, pair) == 0
-    assert run(monkeypatch, "watch", *BOTH[:2], *how, alone_a) == 0
-    assert run(monkeypatch, "watch", *BOTH[2:], *how, alone_b) == 0
+    assert run("compare-policies", *BOTH, *how, pair) == 0
+    assert run("watch", *BOTH[:2], *how, alone_a) == 0
+    assert run("watch", *BOTH[2:], *how, alone_b) == 0
     for entity in ("action/primary_steering", "safe_probability/safe_probability"):
         a, b, *expected = (
             column(path, recordings(path)[0], f"/{root}{entity}", "scalars")
@@ -207,12 +195,10 @@ def test_nonsense_is_one_line(
     typed: list[str],
     named: str,
     made: Path,
-    monkeypatch: pytest.MonkeyPatch,
     capsys: pytest.CaptureFixture[str],
 ) -> None:
-    monkeypatch.chdir(made)
     before = sorted(made.iterdir())
-    assert run(monkeypatch, *typed) == 2
+    assert run(*typed) == 2
     error = capsys.readouterr().err
     assert named in error and len(error.strip().splitlines()) == 1
     assert sorted(made.iterdir()) == before
