@@ -15,10 +15,6 @@ WorldOf = Callable[[Track, Cars], World]
 HORIZON = 24  # first row that may show road; the sky lies above
 
 
-def image_of(world_of: WorldOf, track: Track, cars: Cars) -> np.ndarray:
-    return world_of(track, cars).image()
-
-
 def test_our_own_car_is_not_visible(world_of: WorldOf, alder: Track) -> None:
     cars = cars_at(alder, [100.0], [1])
     world = world_of(alder, cars)
@@ -34,8 +30,8 @@ def test_a_car_in_front_can_be_seen_where_it_is(
     world_of: WorldOf, alder: Track, lane: int, gap: float
 ) -> None:
     s = straightest(alder) - 20.0
-    alone = image_of(world_of, alder, cars_at(alder, [s, s - 60.0], [1, 1]))
-    followed = image_of(world_of, alder, cars_at(alder, [s, s + 4.4 + gap], [1, lane]))
+    alone = world_of(alder, cars_at(alder, [s, s - 60.0], [1, 1])).image()
+    followed = world_of(alder, cars_at(alder, [s, s + 4.4 + gap], [1, lane])).image()
     rows, columns = np.nonzero(np.any(alone != followed, axis=2))
     assert len(rows) >= 4
     assert rows.min() > HORIZON - 12
@@ -75,7 +71,7 @@ def test_the_road_is_whole_up_to_our_bonnet(world_of: WorldOf, name: str) -> Non
 def test_the_edge_line_is_where_a_pinhole_camera_sees_it(world_of: WorldOf, alder: Track) -> None:
     s = straightest(alder) - 20.0
     cars = cars_at(alder, [s], [1])
-    image = image_of(world_of, alder, cars).min(axis=2)
+    image = world_of(alder, cars).image().min(axis=2)
     forward = np.array([np.cos(cars.heading[0]), np.sin(cars.heading[0])])
     focal = IMAGE_SHAPE[0] / 2 / np.tan(np.radians(camera.FIELD_OF_VIEW / 2))
     for ahead in np.arange(10.0, 32.0, 2.0):  # beyond, it fades
@@ -96,7 +92,7 @@ def test_steering_left_moves_the_world_right(world_of: WorldOf, alder: Track) ->
     s = straightest(alder) - 20.0
     away, near = [s, s - 60.0], [s, s + 20.0]
     empty, car = (
-        image_of(world_of, alder, cars_at(alder, place, [1, 1], angle=[0.2, 0.0]))
+        world_of(alder, cars_at(alder, place, [1, 1], angle=[0.2, 0.0])).image()
         for place in (away, near)
     )
     columns = np.nonzero(np.any(empty != car, axis=(0, 2)))[0]
