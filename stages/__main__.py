@@ -58,11 +58,9 @@ def _version(asked: bool) -> None:
 
 
 def commands(typed: Sequence[str]) -> typer.Typer:
-    """All commands; those with a seam take the settings of the task or policy that is `typed`. Where
-    one is typed, of the others there is nothing but the name: what they take need not be imported.
-
-    Raises:
-        ValueError: there is none of that name.
+    """All commands; those with a seam take the settings of the task or policy that is `typed`. Where one
+    is typed, of the others there is nothing but the name: what they take need not be imported.
+    Raises as `options.chosen`.
     """
     app = typer.Typer(no_args_is_help=True, add_completion=False, rich_markup_mode=None)
     app.callback()(safedagger)

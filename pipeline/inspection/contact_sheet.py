@@ -30,18 +30,11 @@ class Shown:
 def extreme_frames(
     safe_probability: NDArray[np.floating], episode_index: NDArray[np.int64], count: int
 ) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-    """Rows of the `count` safest and of the `count` least safe frames, most extreme first.
+    """Rows of the `count` safest and of the `count` least safe frames, most extreme first; ValueError
+    where fewer have a probability.
 
     Neighbours look alike, so that an episode gives one frame to each, or more only where there are
-    fewer than `count` episodes.
-
-    Args:
-        safe_probability: [N], NaN where there is none.
-        episode_index: [N].
-        count: >= 1.
-
-    Raises:
-        ValueError: fewer than `count` frames have a probability.
+    fewer than `count` episodes. Both columns are [N]; `safe_probability` is NaN where there is none.
     """
     known = np.flatnonzero(~np.isnan(safe_probability))
     if not 1 <= count <= len(known):
@@ -51,11 +44,7 @@ def extreme_frames(
 
 
 def contact_sheet(title: str, safest: Sequence[Shown], least_safe: Sequence[Shown]) -> Figure:
-    """Two panels of frames, each with its probability of being safe, and where it is to be found.
-
-    Raises:
-        ValueError: there is no frame in one of the two.
-    """
+    """Two panels of frames, each with its probability of being safe and its place; ValueError without any."""
     panels = {"Safest frames": safest, "Least safe frames": least_safe}
     rows = [-(-len(frames) // COLUMNS) for frames in panels.values()]
     if 0 in rows:

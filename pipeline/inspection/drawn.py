@@ -60,12 +60,7 @@ class Tally:
 
 
 def track_to_draw(task: Task) -> Track:
-    """The track that a task is driven on.
-
-    Raises:
-        ValueError: another task than the car's, of which nobody knows how to draw it; or several
-            tracks.
-    """
+    """The track that a task is driven on; ValueError where there are several, or the task is not the car's."""
     car = _car(task)
     if len(car.scenarios) > 1:
         raise ValueError(f"tracks is {car.tracks!r}, expected a single one to draw")
@@ -73,10 +68,8 @@ def track_to_draw(task: Task) -> Track:
 
 
 def drawn(plan: Plan, driver: Driver | None) -> Iterator[tuple[World, Frame, Tally]]:
-    """The frames of a drive of the car, each with the world and the tally as they are at its end.
-
-    Raises:
-        ValueError: another task than the car's.
+    """The frames of a drive, each with the world and the tally as they are at its end; ValueError where
+    the task is not the car's.
     """
     car, tally = _car(plan.task), Tally()
     for env, frame in driven(plan, driver):

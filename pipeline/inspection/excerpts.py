@@ -29,10 +29,8 @@ class Excerpt:
 
 
 def whole_episodes(dataset: Dataset, only: int | None = None) -> Iterator[Excerpt]:
-    """Every episode of a dataset, or `only` one of them; in order, and read one at a time.
-
-    Raises:
-        ValueError: there is no such episode; at once.
+    """Every episode of a dataset, or `only` one of them, in order, and read one at a time; ValueError, at
+    once, where there is no such episode.
     """
     _check_episode(dataset, only)
     name = dataset.path.name
@@ -49,10 +47,8 @@ def whole_episodes(dataset: Dataset, only: int | None = None) -> Iterator[Excerp
 
 
 def ranked_takeovers(dataset: Dataset, only: int | None = None) -> list[Takeover]:
-    """The takeovers of all episodes, or of `only` one, most unsafe first.
-
-    Raises:
-        ValueError: as `whole_episodes`, or there is no takeover.
+    """The takeovers of all episodes, or of `only` one, most unsafe first; ValueError as `whole_episodes`,
+    or where there is none.
     """
     _check_episode(dataset, only)
     columns = {name: column[:, 0] for name, column in dataset.columns(JUDGED).items()}

@@ -30,12 +30,8 @@ SUBPIXELS = 3  # bits: cv2 draws at eighths of a pixel
 
 
 def shoot(plan: Plan, driver: Driver) -> Iterator[tuple[NDArray[np.uint8], Tally]]:
-    """Drive, and show each frame, uint8 [H, 480, 3], with what the drive has come to so far.
-
-    The trail is blue where the primary drove, red where the reference did.
-
-    Raises:
-        ValueError: another task than the car's.
+    """Drive, and show each frame, uint8 [H, 480, 3], with what the drive has come to so far. The trail is
+    blue where the primary drove, red where the reference did. Raises as `drawn`.
     """
     ground, to_pixels = track_map(plan.scenario, WIDE)
     trail: NDArray[np.float64] | None = None
@@ -59,10 +55,7 @@ def beside(*films: Sequence[NDArray[np.uint8]]) -> list[NDArray[np.uint8]]:
 
 def gif(pictures: Sequence[NDArray[np.uint8]], milliseconds: int) -> bytes:
     """The pictures, uint8 [H, W, 3] of one size, one after the other and again, each for so many
-    `milliseconds`, a multiple of 10. Equal ones give equal bytes.
-
-    Raises:
-        ValueError: there are no pictures.
+    `milliseconds`, a multiple of 10. Equal ones give equal bytes; none a ValueError.
     """
     if not pictures:
         raise ValueError("there are no pictures, expected at least one")

@@ -74,12 +74,9 @@ class Footage:
         """What a dataset tells: other cars only where one of the affordances is about them.
 
         Args:
-            episode: a dataset's, or a part of one.
+            episode: a dataset's, or a part of one; raises as `track_of`.
             first_frame: the number of its first row.
             judgement: by which its deviations are looked at; those of the steering without one.
-
-        Raises:
-            ValueError: as `track_of`.
         """
         rows = episode.columns
         state = rows["vehicle_state"]
@@ -140,11 +137,7 @@ class Footage:
 
 
 def track_of(task: str) -> Track:
-    """The track that an episode's task names.
-
-    Raises:
-        ValueError: it names none, or one that there is not.
-    """
+    """The track that an episode's task names; ValueError where it names none, or one that there is not."""
     named = TASK.fullmatch(task)
     if named is None:
         raise ValueError(f"task {task!r}: expected 'drive on <track> with <n> other cars'")

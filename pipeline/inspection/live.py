@@ -16,12 +16,9 @@ from pipeline.rollout.plans import Plan
 def watched(
     plan: Plan, driver: Driver | None, judgement: Judgement | None = None
 ) -> Iterator[tuple[Footage, Tally]]:
-    """The frames of a drive one by one, each with what the drive has come to at its end.
+    """The frames of a drive one by one, each with what the drive has come to at its end. Raises as `drawn`.
 
     All other cars are known, but in the first frame: where they were when it began, nobody saw.
-
-    Raises:
-        ValueError: another task than the car's.
     """
     others: NDArray[np.float64] = np.empty((0, 3))
     for number, (world, frame, tally) in enumerate(drawn(plan, driver)):

@@ -25,10 +25,8 @@ Connect = Callable[[rr.RecordingStream], None]
 
 
 def log_excerpt(excerpt: Excerpt, connect: Connect, *, fps: int) -> None:
-    """Send an excerpt as one recording; `connect` is called once, before anything is sent.
-
-    Raises:
-        ValueError: the episode's task names no track.
+    """Send an excerpt as one recording; `connect` is called once, before anything is sent. ValueError
+    where the episode's task names no track.
     """
     footage = Footage.of_episode(excerpt.episode, excerpt.first_frame, excerpt.judgement)
     track = track_of(excerpt.episode.task)

@@ -35,10 +35,8 @@ ToPixels = Callable[[NDArray[np.float64], NDArray[np.float64]], NDArray[np.float
 
 
 def track_sheet(names: Sequence[str], title: str) -> Figure:
-    """Two panels for each track: the top view, and beneath it a sample frame.
-
-    Raises:
-        ValueError: no names, or no such track.
+    """Two panels for each track: the top view, and beneath it a sample frame; ValueError without a name,
+    or where there is no such track.
     """
     if not names:
         raise ValueError("there are no tracks, expected at least one name")
@@ -65,11 +63,7 @@ def track_sheet(names: Sequence[str], title: str) -> Figure:
 
 
 def track_map(name: str, pixels: int) -> tuple[NDArray[np.uint8], ToPixels]:
-    """A track from above, uint8 [H, pixels, 3], and where points of the world lie on it.
-
-    Raises:
-        ValueError: no such track.
-    """
+    """A track from above, uint8 [H, pixels, 3], and where the world lies on it; raises as `make_track`."""
     track = make_track(name)
     line = track.centreline
     (left, right), (bottom, top) = (

@@ -18,10 +18,8 @@ _MMAP_MAX, _MMAP_DEFAULT = -4, 65536
 
 
 def find_device(name: str) -> torch.device:
-    """The device of this name, as PyTorch names them: "cpu", "cuda", "cuda:1", "mps".
-
-    Raises:
-        ValueError: this machine has none of this name.
+    """The device of this name, as PyTorch names them: "cpu", "cuda", "cuda:1", "mps"; ValueError where
+    this machine has none.
     """
     found = ["cpu"]
     accelerator = torch.accelerator.current_accelerator(check_available=True)

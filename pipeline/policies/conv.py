@@ -109,11 +109,7 @@ class ConvActor(ConvNetwork):
 
 @dataclass(frozen=True, kw_only=True)
 class ConvLesson(Lesson):
-    """What the network is.
-
-    Raises:
-        ValueError: a number is out of its range.
-    """
+    """What the network is; ValueError where a number is out of its range."""
 
     name: ClassVar[str] = "conv"
 

@@ -42,11 +42,8 @@ class ConvConfig(OfflineConfig):
 
 
 class ConvPolicy(OfflinePolicy):
-    """A convolutional primary: its network, its loss, and the actions it drives with.
-
-    Args:
-        config: see `ConvConfig`.
-        network: of its features and widths; None draws one from PyTorch's global generator.
+    """A convolutional primary: its network, its loss, and the actions it drives with. `network` is of
+    the features and widths of `config`; None draws one from PyTorch's global generator.
 
     Raises:
         ValueError: features that it cannot have.

@@ -31,11 +31,8 @@ class Lesson(Settings, ABC):
 
     @abstractmethod
     def learned(self, features: Mapping[str, Feature]) -> Mapping[str, Feature]:
-        """The columns that it learns from, of a dataset with these: what the primary sees, the
-        action, further targets.
-
-        Raises:
-            ValueError: there is nothing that such a primary could see.
+        """The columns that it learns from, of a dataset with these: what the primary sees, the action,
+        further targets. ValueError where there is nothing that such a primary could see.
         """
 
     @abstractmethod
@@ -66,10 +63,6 @@ class Lesson(Settings, ABC):
 
 
 def load_lesson(name: str) -> type[Lesson]:
-    """The kind of this name: one of LESSONS, or "module:class".
-
-    Raises:
-        ValueError: there is none.
-    """
+    """The kind of this name, one of LESSONS or "module:class"; ValueError where there is none."""
     found: type[Lesson] = find_subclass("policy", name, LESSONS, Lesson)
     return found

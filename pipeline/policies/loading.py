@@ -62,12 +62,9 @@ class Config:
 
 
 def load_primary(directory: Path, features_of: str = "", device: torch.device = CPU) -> Actor:
-    """The primary in a policy's directory: ours, or whatever LeRobot's registry knows.
+    """The primary in a policy's directory: ours, or whatever LeRobot's registry knows, with processors.
 
-    Args:
-        directory: with config.json, weights and, of LeRobot's, processors.
-        features_of: of LeRobot's, the module whose input a safety policy reads; see `lerobot`.
-        device: where it is to compute.
+    Of LeRobot's, `features_of` is the module whose input a safety policy reads; see `lerobot`.
 
     Raises:
         ValueError: something is missing or misfits.
@@ -111,11 +108,7 @@ def read_config(directory: Path, *kinds: str) -> Config:
 
 
 def weights_sha256(directory: Path) -> str:
-    """The SHA-256 of a policy's weights file, in hexadecimal: which policy it is.
-
-    Raises:
-        ValueError: the file is missing.
-    """
+    """The SHA-256 of a policy's weights file, in hexadecimal: which policy it is; ValueError without one."""
     with open(_weights(directory), "rb") as file:
         return hashlib.file_digest(file, "sha256").hexdigest()
 
@@ -132,11 +125,9 @@ def policy_lineage(directory: Path) -> Lineage:
 
 
 def begun_with(primary: Path) -> str:
-    """The SHA-256 of the first primary in all that the one in a directory comes from: it is what
-    the loop began with, whether that one was trained on or only drove what was learned from.
-
-    Raises:
-        ValueError: as `policy_lineage`.
+    """The SHA-256 of the first primary in all that the one in a directory comes from: it is what the loop
+    began with, whether it was trained on or only drove what was learned from.
+    Raises as `policy_lineage`.
     """
     return "+".join(sorted(_first_primaries(policy_lineage(primary)))) or weights_sha256(primary)
 

@@ -14,11 +14,8 @@ float64 [A]: epsilon [N], NaN where either is."""
 
 
 def mean_square(proposed: NDArray, reference: NDArray, half_range: NDArray) -> NDArray[np.float64]:
-    """The mean over the numbers of an action of their squared differences, each of which is measured
-    by half the range of that number: a difference from end to end is 4.
-
-    Raises:
-        ValueError: arrays of other shapes.
+    """The mean over the numbers of an action of their squared differences, each of which is measured by
+    half the range of that number: from end to end is 4. ValueError where shapes differ.
     """
     check_actions(proposed, reference, len(half_range))
     return np.square((proposed.astype(np.float64) - reference) / half_range).mean(axis=1)
@@ -43,13 +40,8 @@ def check_actions(proposed: NDArray, reference: NDArray, numbers: int) -> None:
 def deviation(
     measure: str, proposed: NDArray, reference: NDArray, half_range: Sequence[float]
 ) -> NDArray[np.float64]:
-    """Epsilon [N] by the measure of this name: one of MEASURES, or "module:function".
-
-    Args:
-        measure: its name.
-        proposed: actions float32 [N, A].
-        reference: the same.
-        half_range: of each number of an action, [A]; none: 1 for each.
+    """Epsilon [N] of actions float32 [N, A] by the measure of this name: one of MEASURES, or
+    "module:function". `half_range` is of each number of an action; none: 1 for each.
 
     Raises:
         ValueError: there is no such measure, or as the measure.

@@ -75,11 +75,7 @@ class OfflinePolicy(PreTrainedPolicy):
         config: PreTrainedConfig | None = None,
         **_: Any,
     ) -> Self:
-        """The policy saved in a directory, in evaluation mode.
-
-        Args:
-            pretrained_name_or_path: the directory.
-            config: used instead of the saved one.
+        """The policy saved in a directory, in evaluation mode; with `config` in the place of its own.
 
         Raises:
             ValueError: files are missing, of another kind of policy, or do not fit.
