@@ -11,8 +11,7 @@ def drive_blueprint(fps: int) -> rrb.Blueprint:
     return _blueprint(
         fps,
         rrb.Vertical(
-            rrb.Spatial2DView(origin="camera", name="camera"),
-            _top_view([""], "top view"),
+            *_seen(),
             rrb.StateTimelineView(origin="who", name="who drove, and was there reason to"),
             row_shares=[9, 14, 6],
         ),
@@ -29,11 +28,7 @@ def live_blueprint(fps: int) -> rrb.Blueprint:
     """For a drive that is still being driven. It has no lanes: they would not move on with it."""
     return _blueprint(
         fps,
-        rrb.Vertical(
-            rrb.Spatial2DView(origin="camera", name="camera"),
-            _top_view([""], "top view"),
-            row_shares=[2, 3],
-        ),
+        rrb.Vertical(*_seen(), row_shares=[2, 3]),
         rrb.Vertical(*_plots(), _plot("distance", "distances [m]"), row_shares=[5, 4, 4, 4, 4, 5]),
         column_shares=[1, 1],
     )
@@ -71,6 +66,11 @@ def _blueprint(fps: int, *columns: rrb.Vertical, column_shares: Sequence[float])
         rrb.BlueprintPanel(state="expanded"),  # lists the recordings
         rrb.SelectionPanel(state="hidden"),
     )
+
+
+def _seen() -> list[rrb.Spatial2DView]:
+    """By the camera, and from above."""
+    return [rrb.Spatial2DView(origin="camera", name="camera"), _top_view([""], "top view")]
 
 
 def _plots() -> list[rrb.TimeSeriesView]:

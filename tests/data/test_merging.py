@@ -35,7 +35,11 @@ def test_three_at_once_are_what_two_and_one_are(
     queries = sum(int(d.column("queried").sum()) for d in (d_1, rollout_2))
     assert summary == Summary(tmp_path / "D_2", 6, 23, queries)
     merge([d_0, rollout_1, rollout_2], tmp_path / "at_once")
-    assert tree(tmp_path / "at_once" / "data") == tree(tmp_path / "D_2" / "data")
+    once, then_d_1, then_d_2, at_once = (
+        tree(path / "data") for path in (d_0.path, d_1.path, summary.path, tmp_path / "at_once")
+    )
+    assert once.items() < then_d_1.items() < then_d_2.items(), "files pass through as they are"
+    assert at_once == then_d_2
 
 
 def test_with_nothing_the_frames_stay_what_they_were(

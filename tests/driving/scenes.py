@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 
+import cv2
 import numpy as np
 from hypothesis import strategies
 
@@ -43,24 +44,13 @@ def straightest(track: Track) -> float:
 
 
 def overlapping(cars: Cars, size: tuple[float, float] = (LENGTH, WIDTH)) -> list[tuple[int, int]]:
-    """Pairs of cars whose rectangles of this `size` [m] overlap, by the separating axis theorem."""
+    """Pairs of cars whose rectangles of this `size` [m] overlap."""
     apart = np.hypot(cars.x[:, None] - cars.x, cars.y[:, None] - cars.y)
     near = np.argwhere(np.triu(apart < np.hypot(*size), 1))
-    return [(int(i), int(j)) for i, j in near if not _separable(cars, i, j, size)]
-
-
-def _separable(cars: Cars, i: int, j: int, size: tuple[float, float]) -> bool:
-    axes = np.concatenate([_axes(cars, i), _axes(cars, j)])
-    one, other = (_corners(cars, k, size) @ axes.T for k in (i, j))
-    gaps = np.maximum(one.min(0) - other.max(0), other.min(0) - one.max(0))
-    return bool(np.any(gaps > 0))
-
-
-def _axes(cars: Cars, i: int) -> np.ndarray:
-    along = [np.cos(cars.heading[i]), np.sin(cars.heading[i])]
-    return np.array([along, [-along[1], along[0]]])
-
-
-def _corners(cars: Cars, i: int, size: tuple[float, float]) -> np.ndarray:
-    signs = np.array([[1, 1], [1, -1], [-1, -1], [-1, 1]])
-    return np.array([cars.x[i], cars.y[i]]) + 0.5 * signs * size @ _axes(cars, i)
+    where = zip(cars.x, cars.y, np.degrees(cars.heading), strict=True)
+    boxes = [((x, y), size, turned) for x, y, turned in where]
+    return [
+        (int(i), int(j))
+        for i, j in near
+        if cv2.rotatedRectangleIntersection(boxes[i], boxes[j])[0] != cv2.INTERSECT_NONE
+    ]

@@ -41,11 +41,6 @@ def mean(values: np.ndarray, where: list[tuple[int, str]], seed: int = 0) -> Est
     return found
 
 
-def test_the_mean_of_the_middle_half() -> None:
-    values = np.array([100.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, -50.0])
-    assert iqm(values, strata(1, 1, 8)).value == (2 + 3 + 4 + 5) / 4
-
-
 def test_the_ratio_is_of_the_sums() -> None:
     columns = np.array([[1.0, 1.0], [9.0, 4.0]])
     found = estimate(ratio_of_sums, columns, strata(1, 1, 2), np.random.default_rng(0))

@@ -81,14 +81,6 @@ def test_known_drives_give_known_metrics(
     assert {name: found[name] for name in expected} == pytest.approx(expected)
 
 
-@given(st.lists(st.tuples(st.floats(0, 4), st.integers(1, 1000)), min_size=1, max_size=8))
-def test_pooled_error_is_between_least_and_largest(parts: list[tuple[float, int]]) -> None:
-    rows = (outcome(frames=n, primary_frames=n, deviation_sum=mse * n) for mse, n in parts)
-    pooled = measured(*rows)["steering_mse"]
-    lowest, highest = min(mse for mse, _ in parts), max(mse for mse, _ in parts)
-    assert lowest * (1 - 1e-12) <= pooled <= highest * (1 + 1e-12)
-
-
 @given(st.integers(0, 2**32 - 1))
 def test_the_order_of_the_drives_does_not_matter(seed: int) -> None:
     shuffled = drives(1).sample(frac=1, random_state=seed)
