@@ -106,6 +106,11 @@ class ConvActor(ConvNetwork):
         """[B, A], within no limits but what it learned."""
         return self.layers(looked) * self.action_std + self.action_mean
 
+    def error(self, looked: Tensor, action: Tensor) -> Tensor:
+        """The mean squared error of what it does, on the scale of the actions."""
+        apart = (self.act(looked) - action) / self.action_std
+        return F.mse_loss(apart, torch.zeros_like(apart))
+
 
 @dataclass(frozen=True, kw_only=True)
 class ConvLesson(Lesson):
@@ -149,8 +154,7 @@ class ConvLesson(Lesson):
     ) -> tuple[Tensor, dict[str, Tensor]]:
         """The squared error of the action, on its scale."""
         assert isinstance(network, ConvActor)
-        apart = (network.act(looked) - batch["action"]) / network.action_std
-        loss = F.mse_loss(apart, torch.zeros_like(apart))
+        loss = network.error(looked, batch["action"])
         return loss, {"action": loss}
 
     def policy(self, network: ConvNetwork) -> PreTrainedPolicy:

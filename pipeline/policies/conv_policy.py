@@ -4,7 +4,6 @@ from dataclasses import dataclass, field
 from typing import Any, Self
 
 import torch
-import torch.nn.functional as F
 from lerobot.configs import PreTrainedConfig
 from lerobot.configs.types import FeatureType, NormalizationMode, PolicyFeature
 from lerobot.processor.factory import make_default_pre_post_processors
@@ -78,18 +77,16 @@ class ConvPolicy(OfflinePolicy):
 
     def forward(self, batch: dict[str, Tensor]) -> tuple[Tensor, dict[str, float]]:
         """The squared error of the action on its scale, for images float [B, 3, H, W] in [0, 1]."""
-        apart = (self._act(batch) - batch[ACTION]) / self.network.action_std
-        loss = F.mse_loss(apart, torch.zeros_like(apart))
+        loss = self.network.error(self._look(batch), batch[ACTION])
         return loss, {"action": loss.item()}
 
     @torch.no_grad()
     def select_action(self, batch: dict[str, Tensor], **_: Any) -> Tensor:
         """Actions float32 [B, A]."""
-        return self._act(batch)
+        return self.network.act(self._look(batch))
 
-    def _act(self, batch: dict[str, Tensor]) -> Tensor:
-        features = self.network.features(batch[self.network.camera])
-        return self.network.act(self.network.join(features, batch))
+    def _look(self, batch: dict[str, Tensor]) -> Tensor:
+        return self.network.join(self.network.features(batch[self.network.camera]), batch)
 
 
 def _new(config: ConvConfig) -> ConvActor:

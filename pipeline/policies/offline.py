@@ -26,20 +26,8 @@ Processors = tuple[
 class OfflineConfig(PreTrainedConfig):
     """What the two configurations of this project share: no Hub, no history, no normalisation."""
 
-    @property
-    def observation_delta_indices(self) -> None:
-        """One observation, the present one."""
-        return None
-
-    @property
-    def action_delta_indices(self) -> None:
-        """One action, for the present."""
-        return None
-
-    @property
-    def reward_delta_indices(self) -> None:
-        """No rewards."""
-        return None
+    # one observation and one action, of the present, and no rewards
+    observation_delta_indices = action_delta_indices = reward_delta_indices = None
 
     def get_optimizer_preset(self) -> AdamWConfig:
         """For LeRobot's own training only; ours is in `pipeline.learning`."""
