@@ -53,7 +53,7 @@ def compare_policies(
                 for footage, tally in watched(plan, driver, judgement):
                     frames.append(footage)
                     advance_to(number + tally.done)
-                drives.append(Footage.joined(frames))
+                drives.append((Footage.joined(frames), judgement))
                 tallies.append(tally)
         for name, tally in zip(
             (f"a, {primary_a.name}", f"b, {primary_b.name}"), tallies, strict=True
@@ -63,8 +63,6 @@ def compare_policies(
             f"{strategy}, {plan.description}, seed {seed}: a is {primary_a.name}, b is {primary_b.name}",
             f"{track.name}/{strategy}/{seed}/{primary_a.name}/{primary_b.name}",
             track,
-            drives[0],
-            drives[1],
-            (sides[0][1], sides[1][1]),
+            *drives,
         )
         log_pair(pair, sink.connect, fps=fps)

@@ -207,11 +207,6 @@ def arguments(context: typer.Context) -> dict[str, Any]:
     }
 
 
-def names(listed: str) -> list[str]:
-    """The names in a comma-separated list."""
-    return [name.strip() for name in listed.split(",")]
-
-
 def endings(why: Iterable[str]) -> str:
     """Why drives ended, and how many for each reason."""
     return "ended: " + ", ".join(f"{reason} {n}" for reason, n in Counter(why).most_common())

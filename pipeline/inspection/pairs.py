@@ -12,6 +12,9 @@ from pipeline.inspection.excerpts import ending, judgement_of
 from pipeline.inspection.footage import Footage, track_of
 from pipeline.rollout.judgement import Judgement
 
+Side = tuple[Footage, Judgement | None]
+"""A drive, and by what its frames are judged."""
+
 
 @dataclass(frozen=True, eq=False)
 class Pair:
@@ -21,10 +24,8 @@ class Pair:
     name: str
     """A short one, of this pair only."""
     track: Track
-    a: Footage
-    b: Footage
-    judgements: tuple[Judgement | None, Judgement | None]
-    """By what the frames of each are judged."""
+    a: Side
+    b: Side
 
 
 def pairs(a: Dataset, b: Dataset, number: int = 0) -> list[Pair]:
@@ -53,16 +54,19 @@ def _pair(
     track: str, of_a: tuple[Dataset, int, Episode], of_b: tuple[Dataset, int, Episode]
 ) -> Pair:
     (a, i, drive_a), (b, j, drive_b) = of_a, of_b
-    judged = judgement_of(a, drive_a), judgement_of(b, drive_b)
     return Pair(
         f"{track}: a is {a.path.name}, episode {i}{ending(a, i)}; "
         f"b is {b.path.name}, episode {j}{ending(b, j)}",
         f"{track}/{a.path.name}_{i}/{b.path.name}_{j}",
         track_of(drive_a.task),
-        Footage.of_episode(drive_a, judgement=judged[0]),
-        Footage.of_episode(drive_b, judgement=judged[1]),
-        judged,
+        _side(a, drive_a),
+        _side(b, drive_b),
     )
+
+
+def _side(dataset: Dataset, drive: Episode) -> Side:
+    judgement = judgement_of(dataset, drive)
+    return Footage.of_episode(drive, judgement=judgement), judgement
 
 
 def _on_each_track(dataset: Dataset, number: int) -> dict[str, tuple[int, Episode]]:

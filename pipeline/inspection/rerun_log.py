@@ -36,11 +36,9 @@ def log_excerpt(excerpt: Excerpt, connect: Connect, *, fps: int) -> None:
 
 def log_pair(pair: Pair, connect: Connect, *, fps: int) -> None:
     """Send two drives on one track as one recording, under a/ and b/; else as `log_excerpt`."""
-    drives = {"a/": (pair.a, (BLUE, RED)), "b/": (pair.b, (LIGHT_BLUE, ORANGE))}
+    drives = {"a/": (*pair.a, (BLUE, RED)), "b/": (*pair.b, (LIGHT_BLUE, ORANGE))}
     with new_recording(pair.name, pair.title, pair.track, connect) as recording:
-        for (root, (footage, colors)), judgement in zip(
-            drives.items(), pair.judgements, strict=True
-        ):
+        for root, (footage, judgement, colors) in drives.items():
             tracer = drive_tracer(recording, fps=fps, judgement=judgement, root=root, colors=colors)
             tracer.send(footage)
 

@@ -37,13 +37,9 @@ class Config:
     """The configuration of a saved policy."""
 
     path: Path
+    kind: str
+    """LeRobot's name for it."""
     content: dict[str, Any]
-
-    @property
-    def kind(self) -> str:
-        """LeRobot's name for it; empty where there is none."""
-        kind = self.content.get("type", "")
-        return kind if isinstance(kind, str) else ""
 
     def number(self, name: str) -> Any:
         """The number of this name; ValueError where there is none."""
@@ -104,7 +100,7 @@ def read_config(directory: Path, *kinds: str) -> Config:
     if not isinstance(found, str) or (kinds and found not in kinds):
         expected = " or ".join(map(repr, kinds)) or "a name"
         raise ValueError(f"{path}: the policy's type is {found!r}, expected {expected}")
-    return Config(path, content)
+    return Config(path, found, content)
 
 
 def weights_sha256(directory: Path) -> str:

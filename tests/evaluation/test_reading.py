@@ -297,16 +297,17 @@ def test_the_warm_counterpart_stands_beside_the_primary_from_scratch(tmp_path: P
     assert found.among(run=WARM).laps.tolist() == drives(3).laps.tolist()
 
 
-@pytest.mark.parametrize("name", ["scratch_7", "scratch_new"])
-def test_what_has_no_counterpart_is_left_alone(tmp_path: Path, name: str) -> None:
-    write_scratch(write_seed(tmp_path, 0), name)
-    assert read_scratch(tmp_path, read_experiment(tmp_path)).drives.empty
-
-
-def test_what_began_with_another_primary_is_not_compared(tmp_path: Path) -> None:
+@pytest.mark.parametrize(
+    ("name", "changes"),
+    [("scratch_7", {}), ("scratch_new", {}), ("scratch_3", {"begun_with": "f" * 64})],
+    ids=["no counterpart", "no iteration", "another first primary"],
+)
+def test_what_cannot_be_compared_is_left_alone(
+    tmp_path: Path, name: str, changes: dict[str, str]
+) -> None:
     folder = write_seed(tmp_path, 0)
-    write_scratch(folder)
-    write_drives_again(folder / "drives_scratch_3.csv", begun_with="f" * 64)
+    write_scratch(folder, name)
+    write_drives_again(folder / f"drives_{name}.csv", **changes)
     assert read_scratch(tmp_path, read_experiment(tmp_path)).drives.empty
 
 

@@ -50,7 +50,7 @@ def test_a_pair_for_each_track_of_both(
         f"{track}: a is a, episode {i}; b is b, episode {j}" for track, (i, j) in expected.items()
     ]
     for pair, (i, j) in zip(found, expected.values(), strict=True):
-        for footage, (seed, tracks), episode in ((pair.a, OF_A, i), (pair.b, OF_B, j)):
+        for (footage, _), (seed, tracks), episode in ((pair.a, OF_A, i), (pair.b, OF_B, j)):
             expected = episodes(seed, tracks)[episode]
             assert pair.track.name in expected.task
             np.testing.assert_array_equal(footage.image, expected.columns[CAMERA])
@@ -78,7 +78,7 @@ def test_both_drives_are_in_one_recording(
     for chunk in RrdReader(path).stream(store=entry).to_chunks():
         if chunk.timeline_names:
             rows[chunk.entity_path] += chunk.num_rows
-    drives = {"a": (found[0].a, BLUE, RED), "b": (found[0].b, LIGHT_BLUE, ORANGE)}
+    drives = {"a": (found[0].a[0], BLUE, RED), "b": (found[0].b[0], LIGHT_BLUE, ORANGE)}
     for root, (footage, primary, reference) in drives.items():
         counts = {entity: n for entity, n in rows.items() if entity.startswith(f"/{root}/")}
         assert f"/{root}/camera" in counts and set(counts.values()) == {len(footage)}
