@@ -53,10 +53,8 @@ def evaluate(
     judgement = Judgement.read(safety, cut) if safety else None
     told = strategies or ("naive,safe" if safety else "naive")
     rules = [
-        rule_of(
-            parse_driving(name.strip()), judgement, resume=resume, least=(least or 0) * task.fps
-        )
-        for name in told.split(",")
+        rule_of(parse_driving(name), judgement, resume=resume, least=(least or 0) * task.fps)
+        for name in map(str.strip, told.split(","))
     ]
     planned = list(trials(task, rules, starts, seed=seed))
     rows = []
