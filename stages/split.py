@@ -17,7 +17,7 @@ def split(
     ] = 0.2,
     seed: options.Seed = 0,
 ) -> None:
-    """Set episodes aside, in the place of D_safe (Section 3.1).
+    """Set episodes aside, as a D_safe (Section 3.1).
 
     A primary learns from the others; its safety policy from these, as from D_safe.
     """
