@@ -8,7 +8,6 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.stats import binomtest
 
 RESAMPLES = 2000
 BOUNDS = (2.5, 97.5)
@@ -97,6 +96,8 @@ def exact(successes: int, count: int) -> Estimate:
     """A share of independent drives, `count` >= 1, with its interval by Clopper and Pearson: unlike a
     bootstrap it knows of failures that did not happen.
     """
+    from scipy.stats import binomtest  # takes a second, for which `results` need not wait
+
     ends = binomtest(successes, count).proportion_ci(method="exact")
     return Estimate(successes / count, float(ends.low), float(ends.high), count)
 
