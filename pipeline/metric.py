@@ -86,6 +86,22 @@ QUALITY: Mapping[str, Metric] = {
     "precision": Metric(
         "Precision of unsafe", "share of those called so", "share", "precision", statistic="mean"
     ),
+    "average_precision": Metric(
+        "Average precision",
+        "share of those called so",
+        "ratio",
+        "average_precision",
+        statistic="mean",
+        shown=("tables",),
+    ),
+    "calibration_error": Metric(
+        "Calibration error",
+        "probability",
+        "ratio",
+        "calibration_error",
+        statistic="mean",
+        shown=("tables",),
+    ),
     "share_unsafe": Metric(
         "Truly unsafe", "share of frames", "share", "share_unsafe", statistic="mean"
     ),
