@@ -82,6 +82,8 @@ class Run(BaseModel):
     """whether a frame is unsafe, or how large its deviation is"""
     calibration: Annotated[float, Field(ge=0, lt=1)] = 0
     """share of the other episodes of D_safe that tell how probable unsafe is"""
+    cut: Annotated[float, Field(ge=0, le=1)] | None = None
+    """below which safe probability they say unsafe; None: as train-safety is told for all"""
     driven_by: str = ""
     """driving strategies that its policies are evaluated by, separated by commas; none: only
     reliability is measured"""
@@ -149,8 +151,9 @@ class Run(BaseModel):
         """Options of train-safety after an iteration."""
         tau = self.tau[iteration] if len(self.tau) > 1 else self.tau[0]
         labels = {"tau": tau, "horizon": self.horizon, "horizon-mode": self.horizon_mode}
-        better = {"learns": self.learns, "calibration": self.calibration}
-        return labels | {name: value for name, value in better.items() if value not in ("unsafe", 0)}
+        own = {"learns": self.learns, "calibration": self.calibration, "cut": self.cut}
+        usual = {"learns": "unsafe", "calibration": 0, "cut": None}
+        return labels | {name: value for name, value in own.items() if value != usual[name]}
 
 
 class Reliability(BaseModel):
