@@ -66,9 +66,10 @@ def judge(
     )
 
     check_place(metrics, figure)
+    computes = find_device(device)
     check_pair(primary, safety)
     features_of = read_config(safety).text("features_of")
-    network, watching = load_primary(primary, features_of, find_device(device)), load_safety(safety)
+    network, watching = load_primary(primary, features_of, computes), load_safety(safety)
     labels = read_labels(safety)
     rule, tau = LabelRule.of(labels), labels["tau"] if tau is None else tau
     cut = read_cut(safety) if cut is None else cut
