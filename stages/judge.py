@@ -15,7 +15,7 @@ def judge(
     primary: options.Primary,
     safety: options.Safety,
     datasets: Annotated[
-        list[Path], typer.Argument(help="Datasets whose every frame has a label, a table of each.")
+        list[Path], typer.Argument(help="Datasets: their frames with a label are measured.")
     ],
     where: Annotated[
         list[str] | None,
@@ -47,7 +47,7 @@ def judge(
 ) -> None:
     """Measure a safety policy on labelled frames.
 
-    A rollout has a label in each with `--audit 1`.
+    With `--audit 1`, each frame of a rollout has a label.
     """
     from pipeline.data.dataset import Dataset
     from pipeline.evaluation import judging

@@ -115,7 +115,9 @@ def train_safety(
                 on_epoch=on_epoch,
             )
         if settings.calibration:
-            calibrate(safety, calibrating.features, safe_labels(calibrating.deviation, settings.tau))
+            calibrate(
+                safety, calibrating.features, safe_labels(calibrating.deviation, settings.tau)
+            )
         SafetyPolicy(config, safety).save_pretrained(folder)
         data = [safe_data, own_data, *audited]
         parents = [policy_lineage(primary), *(each.lineage for each in data)]

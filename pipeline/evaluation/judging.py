@@ -1,5 +1,6 @@
-"""How well a safety policy tells unsafe frames, in any datasets whose every frame has a label, and in
-which situations. In the shapes, N is the number of frames.
+"""How well a safety policy tells unsafe frames, in any labelled dataset, and in which situations.
+
+In the shapes, N is the number of frames and A of the numbers in an action.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
@@ -13,7 +14,7 @@ from numpy.typing import NDArray
 
 from pipeline.data.dataset import Dataset
 from pipeline.data.images import read_all
-from pipeline.data.labels import check_labels
+from pipeline.data.labels import labelled
 from pipeline.evaluation.wording import count, table, written
 from pipeline.inspection.canvas import new_figure, styled
 from pipeline.inspection.reliability import draw_reliability
@@ -30,7 +31,7 @@ ALL = "all"
 
 @dataclass(frozen=True)
 class Frames:
-    """What is known of the frames of a dataset."""
+    """What is known of the frames of a dataset that have a label."""
 
     proposed: NDArray[np.float32]
     """[N, A], what the primary would do"""
@@ -44,29 +45,28 @@ class Frames:
     """[N], what `situations` are told by: each number of the dataset's columns that has a name,
     whether the reference drove (`intervention`), and the seconds since it last handed the robot back
     (`since_handover`; NaN while it drives, and before it has)"""
-    episode_index: NDArray[np.int64]
-    """[N]"""
+    run: NDArray[np.int64]
+    """[N], which run of neighbours with a label each is in"""
     fps: int
 
 
 def look_at(primary: Actor, safety: SafetyNetwork, dataset: Dataset, rule: LabelRule) -> Frames:
-    """Run both policies over a dataset.
+    """Run both policies over the frames of a dataset that have a label.
 
     Raises:
-        ValueError: another robot's dataset, or frames in it that the reference was not asked about.
+        ValueError: another robot's dataset, or one without a label of the reference.
     """
     dataset.require({**primary.seen, "action": primary.action})
-    check_labels(dataset)
-    columns = read_all(dataset, ["action", *primary.seen])
+    rows, run = labelled(dataset)
+    columns = read_all(dataset, ["action", *primary.seen], rows)
     proposed, features = propose(primary, columns)
-    episodes = dataset.episode_index
     return Frames(
         proposed,
         columns["action"],
-        rule.deviation(proposed, columns["action"], episodes, dataset.fps),
+        rule.deviation(proposed, columns["action"], run, dataset.fps),
         safe_probabilities(safety, features),
-        _numbers(dataset),
-        episodes,
+        _numbers(dataset)[dataset.column("queried")],
+        run,
         dataset.fps,
     )
 
@@ -106,9 +106,7 @@ def auroc_if_known(frames: Frames, rule: LabelRule, tau: float, error: float, se
     rng = np.random.default_rng(seed)
     halves = np.asarray(rule.half_range or np.ones(frames.actions.shape[1]))
     guessed = frames.actions + error * halves * rng.standard_normal(frames.actions.shape)
-    expected = rule.deviation(
-        frames.proposed, guessed.astype(np.float32), frames.episode_index, frames.fps
-    )
+    expected = rule.deviation(frames.proposed, guessed.astype(np.float32), frames.run, frames.fps)
     ranked = 1 / (1 + expected)  # a large one is not safe
     return detection_quality(ranked, frames.deviation, tau, 0.5)["auroc"]
 
