@@ -81,7 +81,7 @@ class Run(BaseModel):
     learns: Literal["unsafe", "size"] = "unsafe"
     """whether a frame is unsafe, or how large its deviation is"""
     calibration: Annotated[float, Field(ge=0, lt=1)] = 0
-    """share of the other episodes of D_safe that tell how probable unsafe is"""
+    """share of the audits, or of D_safe before there are any, that tell how probable unsafe is"""
     cut: Annotated[float, Field(ge=0, le=1)] | None = None
     """below which safe probability they say unsafe; None: as train-safety is told for all"""
     driven_by: str = ""

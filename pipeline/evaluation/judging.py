@@ -100,8 +100,8 @@ def quality(frames: Frames, here: NDArray[np.bool_], tau: float, cut: float) -> 
 
 
 def auroc_if_known(frames: Frames, rule: LabelRule, tau: float, error: float, seed: int) -> Any:
-    """The AUROC of whoever knows the reference's action but for a normal `error`, of which half the
-    range of each number is 1, and calls unsafe what is far from that: no image could tell it better.
+    """The AUROC of whoever knows the reference's action but for a normal `error`, half the range of each
+    number being 1, and by how much the primary deviates from that: a bound for all who know it worse.
     """
     rng = np.random.default_rng(seed)
     halves = np.asarray(rule.half_range or np.ones(frames.actions.shape[1]))
