@@ -8,6 +8,8 @@ DRIVES = "drives"
 """A column of ones: over it, a ratio is the mean over the drives."""
 FAILURE = "failures."
 """What the names of a ledger's failures of one kind begin with."""
+BINS = 10
+"""of equal width, of the probability of being unsafe, in which predicted and observed are compared"""
 EVERYWHERE: Final = ("tables", "figures", "cards")
 
 

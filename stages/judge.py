@@ -50,9 +50,10 @@ def judge(
     With `--audit 1`, each frame of a rollout has a label.
     """
     from pipeline.data.dataset import Dataset
-    from pipeline.evaluation import judging
+    from pipeline.evaluation.quality import quality_table, reliability_picture
     from pipeline.evaluation.writing import write_metrics
     from pipeline.inspection.canvas import png
+    from pipeline.learning import judging
     from pipeline.learning.labels import LabelRule
     from pipeline.output import check_place, write_file
     from pipeline.policies.computing import find_device
@@ -82,11 +83,11 @@ def judge(
         for error in known or ():
             auroc = judging.auroc_if_known(frames, rule, tau, error, seed)
             bounds.append({"dataset": path.name, "error": error, "auroc": auroc})
-    typer.echo(judging.quality_table(rows))
+    typer.echo(quality_table(rows))
     for bound in bounds:
         typer.echo(f"{bound['dataset']}, known to within {bound['error']:g}: {bound['auroc']:.3f}")
     if figure:
         whole = [row for row in rows if row["situation"] == judging.ALL]
-        write_file(figure, png(judging.reliability_picture(whole)))
+        write_file(figure, png(reliability_picture(whole)))
     if metrics:
         write_metrics(metrics, {"tau": tau, "cut": cut, "rows": rows, "bounds": bounds})

@@ -5,8 +5,7 @@ from typing import Any
 import numpy as np
 from scipy.stats import rankdata
 
-BINS = 10
-"""of equal width, of the probability of being unsafe, in which predicted and observed are compared"""
+from pipeline.metric import BINS
 
 
 def detection_quality(

@@ -9,7 +9,7 @@ from pipeline.evaluation.drives import among
 from pipeline.evaluation.experiment import HELD_OUT, ROLLOUT, Experiment
 from pipeline.inspection.canvas import new_figure, styled
 from pipeline.inspection.reliability import draw_reliability
-from pipeline.learning.quality import BINS
+from pipeline.metric import BINS
 
 PANELS = {
     HELD_OUT: "held out of D_safe, which the reference drove",

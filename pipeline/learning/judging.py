@@ -3,25 +3,20 @@
 In the shapes, N is the number of frames and A of the numbers in an action.
 """
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 import pandas as pd
-from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from pipeline.data.dataset import Dataset
 from pipeline.data.images import read_all
 from pipeline.data.labels import labelled
-from pipeline.evaluation.wording import count, table, written
-from pipeline.inspection.canvas import new_figure, styled
-from pipeline.inspection.reliability import draw_reliability
 from pipeline.learning.labels import LabelRule
 from pipeline.learning.quality import detection_quality
 from pipeline.learning.training import safe_probabilities
-from pipeline.metric import QUALITY
 from pipeline.policies.inference import propose
 from pipeline.policies.network import Actor, SafetyNetwork
 
@@ -109,36 +104,6 @@ def auroc_if_known(frames: Frames, rule: LabelRule, tau: float, error: float, se
     expected = rule.deviation(frames.proposed, guessed.astype(np.float32), frames.run, frames.fps)
     ranked = 1 / (1 + expected)  # a large one is not safe
     return detection_quality(ranked, frames.deviation, tau, 0.5)["auroc"]
-
-
-def quality_table(rows: Sequence[Mapping[str, Any]]) -> str:
-    """As markdown; a row has "dataset" and "situation" beside what `quality` says."""
-    header = ["Dataset", "Frames where", "Frames", *(each.title for each in QUALITY.values())]
-    cells = [
-        [
-            row["dataset"],
-            row["situation"],
-            count(row["frames"]),
-            *(written(each, row[each.part]) for each in QUALITY.values()),
-        ]
-        for row in rows
-    ]
-    return table(header, cells, words=2)
-
-
-def reliability_picture(rows: Sequence[Mapping[str, Any]]) -> Figure:
-    """Predicted against observed, a line for each row with any frames."""
-    error = QUALITY["calibration_error"]
-    with styled():
-        figure = new_figure(4.6, 4.4)
-        draw_reliability(
-            figure.subplots(),
-            {
-                f"{row['dataset']}: error {written(error, row[error.part])}": row["reliability"]
-                for row in rows
-            },
-        )
-    return figure
 
 
 def _numbers(dataset: Dataset) -> pd.DataFrame:

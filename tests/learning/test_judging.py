@@ -5,16 +5,13 @@ import pytest
 import torch
 
 from pipeline.driving.network import PrimaryNetwork
-from pipeline.evaluation.judging import (
+from pipeline.learning.judging import (
     Frames,
     auroc_if_known,
     look_at,
     quality,
-    quality_table,
-    reliability_picture,
     situations,
 )
-from pipeline.inspection.canvas import png
 from pipeline.learning.labels import LabelRule
 from pipeline.policies.network import SafetyNetwork
 from tests.episodes import random_episode, write
@@ -75,14 +72,3 @@ def test_the_better_the_reference_is_known_the_better_one_could_tell() -> None:
     assert found[0] == 1
     assert found == sorted(found, reverse=True)
     assert found[-1] == pytest.approx(0.5, abs=0.05)
-
-
-def test_what_was_found_is_a_table_and_a_picture(frames: Frames) -> None:
-    rows = [
-        {"dataset": "rollout", "situation": name, **quality(frames, here, TAU, 0.5)}
-        for name, here in situations(frames, ["lane_left > 2"])
-    ]
-    first, last = quality_table(rows).splitlines()[2:]
-    assert first.startswith("| rollout | all | 12 |")
-    assert last.startswith("| rollout | lane_left > 2 | 0 | - |")
-    assert png(reliability_picture(rows[:1])) == png(reliability_picture(rows[:1]))
