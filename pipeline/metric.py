@@ -8,6 +8,8 @@ DRIVES = "drives"
 """A column of ones: over it, a ratio is the mean over the drives."""
 FAILURE = "failures."
 """What the names of a ledger's failures of one kind begin with."""
+BINS = 10
+"""of equal width, of the probability of being unsafe, in which predicted and observed are compared"""
 EVERYWHERE: Final = ("tables", "figures", "cards")
 
 
@@ -85,6 +87,22 @@ QUALITY: Mapping[str, Metric] = {
     ),
     "precision": Metric(
         "Precision of unsafe", "share of those called so", "share", "precision", statistic="mean"
+    ),
+    "average_precision": Metric(
+        "Average precision",
+        "share of those called so",
+        "ratio",
+        "average_precision",
+        statistic="mean",
+        shown=("tables",),
+    ),
+    "calibration_error": Metric(
+        "Calibration error",
+        "probability",
+        "ratio",
+        "calibration_error",
+        statistic="mean",
+        shown=("tables",),
     ),
     "share_unsafe": Metric(
         "Truly unsafe", "share of frames", "share", "share_unsafe", statistic="mean"

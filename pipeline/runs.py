@@ -78,6 +78,12 @@ class Run(BaseModel):
     horizon: Annotated[float, Field(ge=0)] = 0
     """how far ahead these look [s]"""
     horizon_mode: Literal["last", "max"] = "last"
+    learns: Literal["unsafe", "size"] = "unsafe"
+    """whether a frame is unsafe, or how large its deviation is"""
+    calibration: Annotated[float, Field(ge=0, lt=1)] = 0
+    """share of the audits, or of D_safe before there are any, that tell how probable unsafe is"""
+    cut: Annotated[float, Field(ge=0, le=1)] | None = None
+    """below which safe probability they say unsafe; None: as train-safety is told for all"""
     driven_by: str = ""
     """driving strategies that its policies are evaluated by, separated by commas; none: only
     reliability is measured"""
@@ -144,7 +150,10 @@ class Run(BaseModel):
     def labels(self, iteration: int) -> dict[str, Any]:
         """Options of train-safety after an iteration."""
         tau = self.tau[iteration] if len(self.tau) > 1 else self.tau[0]
-        return {"tau": tau, "horizon": self.horizon, "horizon-mode": self.horizon_mode}
+        labels = {"tau": tau, "horizon": self.horizon, "horizon-mode": self.horizon_mode}
+        own = {"learns": self.learns, "calibration": self.calibration, "cut": self.cut}
+        usual = {"learns": "unsafe", "calibration": 0, "cut": None}
+        return labels | {name: value for name, value in own.items() if value != usual[name]}
 
 
 class Reliability(BaseModel):

@@ -26,6 +26,7 @@ STAGES = (
     "ledger",
     "evaluate",
     "errors",
+    "judge",
     "contact-sheet",
     "film",
     "runs",

@@ -9,6 +9,7 @@ from contextlib import contextmanager, suppress
 from dataclasses import MISSING
 from enum import StrEnum
 from itertools import pairwise
+from numbers import Real
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -246,9 +247,10 @@ def epochs(samples: int, curve: Path | None) -> Iterator["OnEpoch"]:
         yield on_epoch
 
 
-def figures(metrics: Mapping[str, float | None]) -> str:
-    """Metrics on one line."""
-    return ", ".join(f"{name} {value:.4g}" for name, value in metrics.items() if value is not None)
+def figures(metrics: Mapping[str, Any]) -> str:
+    """Metrics on one line: of what is measured, the numbers."""
+    numbers = {name: value for name, value in metrics.items() if isinstance(value, Real)}
+    return ", ".join(f"{name} {value:.4g}" for name, value in numbers.items())
 
 
 @contextmanager

@@ -51,6 +51,7 @@ def train_safety(
     from pipeline.data.labels import told
     from pipeline.data.lineage import Recipe
     from pipeline.evaluation.writing import write_rows
+    from pipeline.learning.calibration import calibrate
     from pipeline.learning.labels import LabelRule, safe_labels
     from pipeline.learning.quality import detection_quality
     from pipeline.learning.safety import held_out_episodes, judge
@@ -85,10 +86,17 @@ def train_safety(
         unseen = judged(safe_data)
         rng = np.random.default_rng(settings.seed)
         kept = held_out_episodes(unseen, settings.held_out, rng)
-        shown = unseen.only(~kept) + judged(own_data)
-        for each in audited:
-            if len(each):
-                shown += judged(each)
+        learned = [
+            unseen.only(~kept),
+            judged(own_data),
+            *(judged(each) for each in audited if len(each)),
+        ]
+        if settings.calibration:
+            # audits are from where it has to judge, D_safe is not
+            tells = -1 if len(learned) > 2 else 0
+            aside = held_out_episodes(learned[tells], settings.calibration, rng)
+            calibrating, learned[tells] = learned[tells].only(aside), learned[tells].only(~aside)
+        shown = sum(learned[1:], start=learned[0])
         safe = safe_labels(shown.deviation, settings.tau)
         if len(np.unique(safe)) == 1:
             kind = "safe" if safe[0] else "unsafe"
@@ -96,12 +104,16 @@ def train_safety(
         with options.epochs(settings.samples, curve) as on_epoch:
             safety, _ = train(
                 shown.features,
-                safe,
+                shown.deviation,
                 shown.episode_index,
                 settings,
                 weight=shown.weight,
                 device=computes,
                 on_epoch=on_epoch,
+            )
+        if settings.calibration:
+            calibrate(
+                safety, calibrating.features, safe_labels(calibrating.deviation, settings.tau)
             )
         SafetyPolicy(config, safety).save_pretrained(folder)
         data = [safe_data, own_data, *audited]

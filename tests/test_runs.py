@@ -72,6 +72,13 @@ def test_only_equal_labels_share_the_safety_policy_of_the_supervised_stage() -> 
     assert found["safeties"]["ahead_0"]["primary"] == "0"
 
 
+def test_a_run_may_have_better_safety_policies_than_the_papers() -> None:
+    better = {"learns": "size", "calibration": 0.2, "cut": 0.7}
+    found = loops(one=ONE, better=ONE | better)["safeties"]
+    assert found["better_0"]["labels"] == found["0"]["labels"] | better
+    assert not better.keys() & found["0"]["labels"].keys()
+
+
 def test_dagger_and_supervised_learning_need_no_safety_policy_to_drive() -> None:
     supervised = LOOK | {"strategy": "supervised", "episodes": [4], "samples": [9], "tau": [0.1]}
     supervised |= {"protocol": "short"}

@@ -35,9 +35,11 @@ Quality = create_model(
     "Quality",
     tau=(float, ...),
     frames=(float, ...),
-    **{each.part: (float | None, ...) for each in QUALITY.values()},  # type: ignore[call-overload]
+    reliability=(list[list[float]], []),
+    **{each.part: (float | None, None) for each in QUALITY.values()},  # type: ignore[call-overload]
 )
-"""What `learning.quality` finds in so many frames, by labels of a tau; None where it is not defined."""
+"""What `learning.quality` finds in so many frames, by labels of a tau; None where it is not defined,
+or was not measured yet."""
 
 
 class ErrorShares(BaseModel):

@@ -56,7 +56,7 @@ class SafetySettings(Optimisation):
     """The training of a safety policy, and the labels that it learns.
 
     Raises:
-        ValueError: as `Optimisation`.
+        ValueError: as `Optimisation`, or 'size' without a threshold.
     """
 
     learning_rate: LearningRate = 0.0001
@@ -79,13 +79,34 @@ class SafetySettings(Optimisation):
     cut: Annotated[
         float, Setting("Unsafe is what has a lower probability of being safe.", 0, at_most=1)
     ] = 0.5
+    learns: Annotated[
+        Literal["unsafe", "size"],
+        Setting("Whether a frame is unsafe, as the paper's, or how large its deviation is."),
+    ] = "unsafe"
     balance: Annotated[
-        float, Setting("Class weights: 0 counts each frame alike, 1 each class.", 0, at_most=1)
+        float,
+        Setting(
+            "Class weights of 'unsafe': 0 counts each frame alike, 1 each class.", 0, at_most=1
+        ),
     ] = 1.0
     held_out: Annotated[
         float, Setting("Share of D_safe's episodes kept to measure with.", 0, at_most=1)
     ] = 0.2
+    calibration: Annotated[
+        float,
+        Setting(
+            "Share of the episodes of the last audits, or of the rest of D_safe without any, that it "
+            "learns nothing from but how probable unsafe is; 0: none.",
+            0,
+            below=1,
+        ),
+    ] = 0.0
     hidden: Annotated[int, Setting("Width of each of the two hidden layers.", 1)] = 128
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if self.learns == "size" and self.tau == 0:
+            raise ValueError("tau is 0, expected more: 'size' is that of a deviation, by tau")
 
     @property
     def kept(self) -> dict[str, Any]:

@@ -15,6 +15,7 @@ from torch import Tensor
 from pipeline.data.schema import Feature, column_dtype
 from pipeline.learning.augmentation import jitter
 from pipeline.learning.fitting import Metrics, OnEpoch, fit, split_episodes
+from pipeline.learning.labels import safe_labels
 from pipeline.learning.settings import Optimisation, SafetySettings
 from pipeline.policies.computing import CPU, computing
 from pipeline.policies.lesson import Lesson
@@ -22,6 +23,9 @@ from pipeline.policies.network import ConvNetwork, SafetyNetwork, has_bfloat16, 
 
 Batch = dict[str, Tensor]
 """Columns [B, ...] by name."""
+
+EXTREME = 6.0
+"""Of log(deviation / tau): what is 400 times smaller or larger than tau differs no more."""
 
 _MEASURED = 256
 """Held-out frames that are measured at a time."""
@@ -114,7 +118,7 @@ def train_primary(
 
 def train_safety(
     features: np.ndarray,
-    safe: np.ndarray,
+    deviation: np.ndarray,
     episode_index: np.ndarray,
     settings: SafetySettings,
     *,
@@ -124,9 +128,13 @@ def train_safety(
 ) -> tuple[SafetyNetwork, Metrics]:
     """Train a safety policy to tell safe from unsafe frames (Eq. 4), from the primary's Conv5.
 
+    Where it learns the size of the deviation, it regresses log(deviation / tau), at most `EXTREME` on
+    either side, as the difference of its logits: the probability of being safe is then
+    tau / (tau + what it expects), one half where that is tau.
+
     Args:
         features: float16 or float32 [N, F], as `inference.propose` gives them.
-        safe: bool [N], Eq. 2: True where the primary deviates by no more than the threshold.
+        deviation: float [N], no NaN: how far the primary is from the reference, see Eq. 2.
         episode_index: int [N]; frames of the same one are held out together.
         settings: see `SafetySettings`.
         weight: float [N], above 0, for how many frames each counts; 1 for each where None.
@@ -139,12 +147,12 @@ def train_safety(
         in them.
 
     Raises:
-        ValueError: arrays of the wrong shape, type or length.
+        ValueError: arrays of the wrong shape, type or length, or a NaN.
     """
-    weight = np.ones(len(safe)) if weight is None else weight
+    weight = np.ones(len(deviation)) if weight is None else weight
     _check_rows(
         features=(features, np.floating, features.shape[-1:]),
-        safe=(safe, np.bool_, ()),
+        deviation=(deviation, np.floating, ()),
         episode_index=(episode_index, np.integer, ()),
         weight=(weight, np.floating, ()),
     )
@@ -153,13 +161,17 @@ def train_safety(
     rows, held_out = split_episodes(episode_index, settings.validation, rng)
     network = SafetyNetwork(features.shape[1], settings.hidden, generator=generator)
     network.to(device)
+    safe = safe_labels(deviation, settings.tau)
     counts = torch.from_numpy(weight / weight[rows].mean()).float().to(device)
     weights = class_weights(safe[rows], settings.balance, weight[rows]).to(device)
 
     def loss_of(numbers: np.ndarray) -> Tensor:
-        seen = torch.from_numpy(features[numbers]).to(device)
+        logits = network(torch.from_numpy(features[numbers]).to(device))
+        if settings.learns == "size":
+            sizes = log_sizes(deviation[numbers], settings.tau).to(device)
+            return ((logits[:, 0] - logits[:, 1] - sizes).square() * counts[numbers]).mean()
         labels = torch.from_numpy(safe[numbers]).long().to(device)
-        each = F.cross_entropy(network(seen), labels, reduction="none")
+        each = F.cross_entropy(logits, labels, reduction="none")
         return (each * weights[labels] * counts[numbers]).mean()
 
     @torch.inference_mode()
@@ -207,6 +219,13 @@ def class_weights(safe: np.ndarray, balance: float, weight: np.ndarray | None = 
         return torch.ones(2)
     weights = shares**-balance
     return torch.from_numpy(weights / (shares * weights).sum()).float()
+
+
+def log_sizes(deviation: np.ndarray, tau: float) -> Tensor:
+    """log(deviation / tau), float32 [N] within +-`EXTREME`: above 0 where a frame is unsafe."""
+    with np.errstate(divide="ignore"):
+        sizes = np.log(deviation / tau).clip(-EXTREME, EXTREME)
+    return torch.from_numpy(sizes).float()
 
 
 def _begin_with(network: ConvNetwork, initial: Mapping[str, Tensor]) -> None:

@@ -120,4 +120,5 @@ def _write_metrics(folder: Path, primary: str) -> None:
     write_metrics(folder / "driving_0.json", {"rows": CONDITIONS})
     quality = {"tau": 0.0025, "auroc": 0.75, "recall": 0.6, "precision": 0.5, "frames": 40}
     quality |= {"share_unsafe": 0.25, "share_predicted_unsafe": 0.3}
+    quality |= {"average_precision": 0.55, "calibration_error": 0.1}
     write_rows(folder / "safety_0.json", quality, QUALITY)

@@ -91,7 +91,7 @@ def _drive(
     )
 
 
-def quality(auroc: float | None) -> dict[str, float | None]:
+def quality(auroc: float | None) -> dict[str, Any]:
     return {
         "tau": 0.0025,
         "frames": 40,
@@ -100,6 +100,9 @@ def quality(auroc: float | None) -> dict[str, float | None]:
         "precision": None if auroc is None else auroc - 0.2,
         "share_unsafe": 0.2,
         "share_predicted_unsafe": 0.15,
+        "average_precision": auroc,
+        "calibration_error": 0.1,
+        "reliability": [[0.1, 0.15, 30], [0.6, 0.7, 10]],
     }
 
 

@@ -47,6 +47,7 @@ def test_a_field_out_of_range_is_named(field, value):
         ("cut", float("nan")),
         ("horizon", float("inf")),
         ("held_out", 2),
+        ("calibration", 1.0),
     ],
 )
 def test_so_are_those_of_the_safety_policy(field, value):
@@ -63,3 +64,8 @@ def test_a_word_that_there_is_not_is_refused():
 def test_sgd_needs_frames_to_validate_on():
     with pytest.raises(ValueError, match="validation is 0, expected more"):
         Optimisation(**OPTIMISATION | {"optimizer": "sgd", "validation": 0.0})
+
+
+def test_a_size_needs_a_threshold_to_be_measured_by():
+    with pytest.raises(ValueError, match="tau is 0, expected more: 'size' is"):
+        SafetySettings(tau=0, learns="size")

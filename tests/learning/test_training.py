@@ -13,7 +13,9 @@ from pipeline.driving.lesson import DrivingLesson
 from pipeline.learning.labels import safe_labels
 from pipeline.learning.settings import Optimisation, SafetySettings
 from pipeline.learning.training import (
+    EXTREME,
     class_weights,
+    log_sizes,
     safe_probabilities,
     train_primary,
     train_safety,
@@ -156,7 +158,7 @@ def test_arrays_of_another_kind_are_refused(position, wrong, words):
 
 
 def test_nothing_cannot_be_learned_from():
-    arrays = (np.zeros((0, 5), np.float16), np.zeros(0, bool), np.zeros(0, int))
+    arrays = (np.zeros((0, 5), np.float16), np.zeros(0), np.zeros(0, int))
     with pytest.raises(ValueError, match=r"features is float16 \(0, 5\), expected floating \(1, 5"):
         train_safety(*arrays, safety_settings())
 
@@ -177,19 +179,20 @@ def safety_settings(**fields) -> SafetySettings:
 
 @pytest.fixture(scope="module")
 def overlapping() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Features float16, labels by Eq. 2 and episodes: a fifth is unsafe, and hard to tell."""
+    """Features float16, deviations and episodes: a fifth is unsafe, and hard to tell."""
     rng = np.random.default_rng(0)
     epsilon = np.where(rng.random(2000) < 0.2, 1.0, 0.0)
     features = rng.normal(size=(2000, 12))
     features[:, 0] += 1.5 * epsilon
-    return features.astype(np.float16), safe_labels(epsilon, 0.0025), np.arange(2000) // 50
+    return features.astype(np.float16), epsilon, np.arange(2000) // 50
 
 
 def recall(overlapping, balance: float, unsafe_counts: float = 1) -> float:
-    features, safe, episodes = overlapping
+    features, epsilon, episodes = overlapping
+    safe = safe_labels(epsilon, 0.0025)
     weight = np.where(safe, 1.0, unsafe_counts)
     network, _ = train_safety(
-        features, safe, episodes, safety_settings(balance=balance), weight=weight
+        features, epsilon, episodes, safety_settings(balance=balance), weight=weight
     )
     safe_probability = safe_probabilities(network, features)
     assert (safe_probability.dtype, safe_probability.shape) == (np.float32, safe.shape)
@@ -230,6 +233,21 @@ def test_the_safety_policys_loss_falls_and_its_bytes_are_the_same_again(overlapp
     again, _ = train_safety(*overlapping, safety_settings())
     for weight, other in zip(network.parameters(), again.parameters(), strict=True):
         assert torch.equal(weight, other)
+
+
+def test_a_safety_policy_that_learns_the_size_says_half_where_it_expects_tau():
+    """What it reads is the logarithm: it can be told exactly, and beyond `EXTREME` not at all."""
+    rng = np.random.default_rng(0)
+    logs = rng.uniform(-4, 4, 2000)
+    features = np.stack([logs, rng.normal(size=2000)], 1).astype(np.float32)
+    episodes = np.arange(2000) // 50
+    told = safety_settings(learns="size", tau=0.01, hidden=32)
+    network, metrics = train_safety(features, 0.01 * np.exp(logs), episodes, told)
+    assert metrics["validation_loss"] < 0.05
+    expected = 1 / (1 + np.exp(logs))  # tau / (tau + deviation)
+    assert safe_probabilities(network, features) == pytest.approx(expected, abs=0.15)
+    sizes = log_sizes(np.array([0, 0.01, 0.01 * np.e, 1e9]), 0.01)
+    assert sizes.tolist() == pytest.approx([-EXTREME, 0, 1, EXTREME])
 
 
 def test_a_training_begins_without_what_it_does_not_use():

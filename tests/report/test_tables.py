@@ -144,6 +144,8 @@ def test_the_safety_policies_on_held_out_frames_and_in_the_next_rollout() -> Non
         "0.85 / 0.70",
         "60.0 % / 40.0 %",
         "- / 50.0 %",
+        "- / -",  # of older metrics: average precision and calibration error
+        "- / -",
         "20.0 % / 25.0 %",
         "30.0 % / 35.0 %",
     ]

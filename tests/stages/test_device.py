@@ -28,6 +28,7 @@ TYPED = {
         *("there", "there", "there", "--tau", "1", "--measure", "steering"),
         *("--share", "0.5", "--figure", "f.png", "--metrics", "m.json"),
     ),
+    "judge": (*("there",) * 3, "--figure", "f.png", "--metrics", "m.json"),
     "film": (
         *("there", "there", "--output", "out.gif", *FOUND, "--laps", "1"),
         *("--show-every", "1"),
