@@ -47,7 +47,7 @@ def judge(
     With `--audit 1`, each frame of a rollout has a label.
     """
     from pipeline.data.dataset import Dataset
-    from pipeline.evaluation.quality import quality_table, reliability_picture
+    from pipeline.evaluation.quality import calibration_picture, quality_table
     from pipeline.evaluation.writing import write_metrics
     from pipeline.inspection.canvas import png
     from pipeline.learning import judging
@@ -85,6 +85,6 @@ def judge(
         typer.echo(f"{bound['dataset']}, known to within {bound['error']:g}: {bound['auroc']:.3f}")
     if figure:
         whole = [row for row in rows if row["situation"] == judging.ALL]
-        write_file(figure, png(reliability_picture(whole)))
+        write_file(figure, png(calibration_picture(whole)))
     if metrics:
         write_metrics(metrics, {"tau": tau, "cut": cut, "rows": rows, "bounds": bounds})

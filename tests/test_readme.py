@@ -10,6 +10,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from joblib.externals.loky import get_reusable_executor
 
 from stages.__main__ import STAGES
 from tests.command import typed
@@ -200,6 +201,7 @@ def test_a_task_and_a_reference_of_ones_own(
     from pipeline.data.dataset import Dataset
 
     monkeypatch.chdir(tmp_path)
+    get_reusable_executor().shutdown()  # workers of an earlier test look for modules where it was
     ((_, source, place),) = commands(*TASK, ("cp",))
     shutil.copy(ROOT / source, place)
     (code,) = python(*REFERENCE)

@@ -35,7 +35,7 @@ Quality = create_model(
     "Quality",
     tau=(float, ...),
     frames=(float, ...),
-    reliability=(list[list[float]], []),
+    calibration=(list[list[float]], []),
     **{each.part: (float | None, None) for each in QUALITY.values()},  # type: ignore[call-overload]
 )
 """What `learning.quality` finds in so many frames, by labels of a tau; None where it is not defined,

@@ -6,8 +6,8 @@ from typing import Any
 from matplotlib.figure import Figure
 
 from pipeline.evaluation.wording import count, table, written
+from pipeline.inspection.calibration import draw_calibration
 from pipeline.inspection.canvas import new_figure, styled
-from pipeline.inspection.reliability import draw_reliability
 from pipeline.metric import QUALITY
 
 
@@ -26,15 +26,15 @@ def quality_table(rows: Sequence[Mapping[str, Any]]) -> str:
     return table(header, cells, words=2)
 
 
-def reliability_picture(rows: Sequence[Mapping[str, Any]]) -> Figure:
+def calibration_picture(rows: Sequence[Mapping[str, Any]]) -> Figure:
     """Predicted against observed, a line for each row with any frames."""
     error = QUALITY["calibration_error"]
     with styled():
         figure = new_figure(4.6, 4.4)
-        draw_reliability(
+        draw_calibration(
             figure.subplots(),
             {
-                f"{row['dataset']}: error {written(error, row[error.part])}": row["reliability"]
+                f"{row['dataset']}: error {written(error, row[error.part])}": row["calibration"]
                 for row in rows
             },
         )

@@ -32,7 +32,7 @@ def detection_quality(
             the area below the steps of the precision-recall curve, ties counting as one step.
         "calibration_error": of BINS bins, how far the mean predicted probability of being unsafe is
             from the observed share, on average over the frames (Guo et al. 2017).
-        "reliability": of each bin with frames [predicted, observed, frames].
+        "calibration": of each bin with frames [predicted, observed, frames].
 
     Raises:
         ValueError: the arrays differ in shape.
@@ -44,7 +44,7 @@ def detection_quality(
     known = ~np.isnan(deviation)
     probability, unsafe = np.nan_to_num(safe_probability[known], nan=-1.0), deviation[known] > tau
     predicted = probability < cut
-    bins = reliability(1 - probability.clip(0), unsafe)
+    bins = calibration(1 - probability.clip(0), unsafe)
     return {
         "frames": float(known.sum()),
         "share_unsafe": _share(unsafe),
@@ -54,11 +54,11 @@ def detection_quality(
         "auroc": _auroc(-probability, unsafe),
         "average_precision": _average_precision(-probability, unsafe),
         "calibration_error": _calibration_error(bins),
-        "reliability": bins,
+        "calibration": bins,
     }
 
 
-def reliability(unsafe_probability: np.ndarray, unsafe: np.ndarray) -> list[list[float]]:
+def calibration(unsafe_probability: np.ndarray, unsafe: np.ndarray) -> list[list[float]]:
     """Of each of BINS bins with frames: the mean probability of being unsafe, the share that is, and
     how many frames; `unsafe_probability` is [N] in [0, 1], `unsafe` bool [N].
     """

@@ -9,9 +9,9 @@ from matplotlib.figure import Figure
 from pipeline.driving.metrics import METRICS
 from pipeline.evaluation.experiment import Experiment
 from pipeline.metric import shown
+from pipeline.report.calibration import calibration
 from pipeline.report.looks import label
 from pipeline.report.panels import Line, Panel, draw
-from pipeline.report.reliability import reliability
 from pipeline.rollout.strategies import Strategy
 
 TITLES = {
@@ -22,7 +22,7 @@ TITLES = {
     "variants_takeover": "Variants of SafeDAgger: takeover, safe strategy",
     "variants_cost": "Variants of SafeDAgger: naive laps against what they cost",
     "optimal": "The learned safety policies beside the optimal one (Eq. 2)",
-    "reliability": "How probable the safety policies call unsafe, and how often it is",
+    "calibration": "How probable the safety policies call unsafe, and how often it is",
 }
 """Of each figure over the iterations, by its name."""
 
@@ -40,7 +40,7 @@ def over_the_iterations(experiment: Experiment) -> dict[str, Figure]:
         "variants_takeover": takeover(experiment, variants),
         "variants_cost": cost(experiment, variants),
         "optimal": optimal(experiment),
-        "reliability": reliability(experiment),
+        "calibration": calibration(experiment),
     }
     return {name: figure for name, figure in drawn.items() if figure}
 

@@ -175,7 +175,7 @@ def _step(seed: int, run: str, iteration: int, level: Level, starts: int) -> Tab
     ledger |= {"calls": 60, "frames_of_calls": 300, "switches": 118, "drives": 4, "scenarios": 3}
     ledger |= {"audits": 0, "put_back": 0, "failures": level.failures}
     ledger |= {f"failures.{kind}": 0 for kind in FAILURES} | {"failures.touches": level.failures}
-    nothing = {**dict.fromkeys(QUALITY, float("nan")), "reliability": []}
+    nothing = {**dict.fromkeys(QUALITY, float("nan")), "calibration": []}
     return Tables(
         drives=drives.assign(**at, **{"task.laps": 3.0}),
         ledgers=pd.DataFrame([at | ledger]),

@@ -102,7 +102,7 @@ def quality(auroc: float | None) -> dict[str, Any]:
         "share_predicted_unsafe": 0.15,
         "average_precision": auroc,
         "calibration_error": 0.1,
-        "reliability": [[0.1, 0.15, 30], [0.6, 0.7, 10]],
+        "calibration": [[0.1, 0.15, 30], [0.6, 0.7, 10]],
     }
 
 

@@ -17,17 +17,17 @@ def test_rows_are_read_and_the_rest_left_alone(tmp_path: Path) -> None:
     path.write_text(json.dumps(content))
     (found,) = read_json(path, Rows[Quality]).rows
     assert (found.tau, found.auroc, found.recall) == (0.0025, 0.9, None)
-    assert found.reliability == quality(0.9)["reliability"]
+    assert found.calibration == quality(0.9)["calibration"]
 
 
 def test_what_older_metrics_lack_is_none(tmp_path: Path) -> None:
     path = write_run(tmp_path) / "safety_0.json"
     content = json.loads(path.read_text())
-    for name in ("average_precision", "calibration_error", "reliability"):
+    for name in ("average_precision", "calibration_error", "calibration"):
         del content["rows"][0][name]
     path.write_text(json.dumps(content))
     (found,) = read_json(path, Rows[Quality]).rows
-    assert (found.average_precision, found.calibration_error, found.reliability) == (None, None, [])
+    assert (found.average_precision, found.calibration_error, found.calibration) == (None, None, [])
 
 
 def test_errors_that_were_judged_without_a_share(tmp_path: Path) -> None:

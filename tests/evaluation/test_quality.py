@@ -1,6 +1,6 @@
 """What was measured of safety policies is a table and a picture."""
 
-from pipeline.evaluation.quality import quality_table, reliability_picture
+from pipeline.evaluation.quality import calibration_picture, quality_table
 from pipeline.inspection.canvas import png
 from pipeline.metric import QUALITY
 from tests.evaluation.sample import quality
@@ -18,7 +18,7 @@ def test_a_row_for_each_situation_and_a_dash_where_nothing_is_known() -> None:
 
 
 def test_the_picture_has_a_line_for_each_dataset_with_its_error() -> None:
-    figure = reliability_picture([{"dataset": "rollout", **quality(0.9)}])
+    figure = calibration_picture([{"dataset": "rollout", **quality(0.9)}])
     _, line = figure.axes[0].get_lines()
     assert line.get_label() == "rollout: error 0.10"
     assert list(line.get_xdata()) == [0.1, 0.6]

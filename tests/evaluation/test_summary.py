@@ -104,7 +104,7 @@ def test_of_a_row_dvc_shows_what_its_metrics_say(tmp_path: Path) -> None:
     write_rows(tmp_path / "safety_0.json", quality(0.9), QUALITY)
     written = json.loads((tmp_path / "safety_0.json").read_text())
     (row,), expected = written.pop("rows"), quality(0.9)
-    assert row.pop("reliability") == expected.pop("reliability")
+    assert row.pop("calibration") == expected.pop("calibration")
     assert row == pytest.approx(expected)
     assert written == pytest.approx({"auroc": 0.9, "recall": 0.6})
 

@@ -28,7 +28,7 @@ def test_by_hand():
         # The unsafe ones are first, third and fifth of all.
         "average_precision": pytest.approx((1 / 1 + 2 / 3 + 3 / 5) / 3),
         "calibration_error": pytest.approx((0.1 + 0.2 + 0.3 + 0.6 + 0.5 + 0.4 + 0.7 + 0.1) / 8),
-        "reliability": [
+        "calibration": [
             pytest.approx([predicted, observed, 1])
             for predicted, observed in (
                 (0.1, 0), (0.2, 0), (0.3, 0), (0.4, 1), (0.5, 0), (0.6, 1), (0.7, 0), (0.9, 1)
@@ -56,11 +56,11 @@ def test_what_is_not_defined_is_none():
         "auroc": None,
         "average_precision": None,
         "calibration_error": pytest.approx(0.15),
-        "reliability": [pytest.approx([0.1, 0, 1]), pytest.approx([0.2, 0, 1])],
+        "calibration": [pytest.approx([0.1, 0, 1]), pytest.approx([0.2, 0, 1])],
     }
     assert quality([0.1], [1])["auroc"] is None
     nothing = quality([], [])
-    assert nothing.pop("reliability") == []
+    assert nothing.pop("calibration") == []
     assert set(nothing.values()) == {0, None}
 
 
@@ -89,7 +89,7 @@ def test_the_auroc_is_the_share_of_pairs_in_order(frames):
 def test_a_bin_is_its_mean_against_its_share():
     """Three frames in the bin from 0.8 to 0.9 of being unsafe, two of which are; one in the last."""
     found = quality([0.12, 0.15, 0.18, 0.0], [1, 1, 0, 1])
-    assert found["reliability"] == [pytest.approx([0.85, 2 / 3, 3]), pytest.approx([1, 1, 1])]
+    assert found["calibration"] == [pytest.approx([0.85, 2 / 3, 3]), pytest.approx([1, 1, 1])]
     assert found["calibration_error"] == pytest.approx((0.85 - 2 / 3) * 3 / 4)
 
 

@@ -15,7 +15,7 @@ from tests.evaluation.sample import write_run
 TRAINING = {"strategies.png", "strategies_takeover.png", "strategies_cost.png"}
 APP = typer.Typer()
 APP.command()(report)
-ALWAYS = {"result.png", "training.png", "test.png"}
+ALWAYS = {"result.png", "calibration.png", "training.png", "test.png"}
 
 
 def arguments(root: Path, seeds: int = 1) -> list[str]:
@@ -35,7 +35,7 @@ def test_it_writes_all_or_refuses(tmp_path: Path) -> None:
     output, figures = tmp_path / "cards" / "report.md", tmp_path / "cards" / "png"
     result = CliRunner().invoke(APP, given)
     assert result.exit_code == 0, result.output
-    assert result.stdout.splitlines() == [f"{output}: 8 steps, 6 figures in {figures}"]
+    assert result.stdout.splitlines() == [f"{output}: 8 steps, 7 figures in {figures}"]
     names = {file.name for file in figures.iterdir()}
     assert names == TRAINING | ALWAYS
     text = output.read_text()

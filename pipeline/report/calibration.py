@@ -7,8 +7,8 @@ from matplotlib.figure import Figure
 
 from pipeline.evaluation.drives import among
 from pipeline.evaluation.experiment import HELD_OUT, ROLLOUT, Experiment
+from pipeline.inspection.calibration import draw_calibration
 from pipeline.inspection.canvas import new_figure, styled
-from pipeline.inspection.reliability import draw_reliability
 from pipeline.metric import BINS
 
 PANELS = {
@@ -17,20 +17,20 @@ PANELS = {
 }
 
 
-def reliability(experiment: Experiment) -> Figure | None:
+def calibration(experiment: Experiment) -> Figure | None:
     """SafeDAgger's, a line for each iteration, over the frames of all seeds; None where it was not
     measured.
     """
     judged = among(experiment.quality, run=experiment.ours)
-    judged = judged[judged.reliability.map(len) > 0]
+    judged = judged[judged.calibration.map(len) > 0]
     if judged.empty:
         return None
     with styled():
         figure = new_figure(9.0, 4.2)
         for number, (on, title) in enumerate(PANELS.items(), 1):
             axes = figure.add_subplot(1, len(PANELS), number)
-            rows = among(judged, judged_on=on).groupby("iteration").reliability
-            draw_reliability(axes, {f"iteration {i}": pooled(bins) for i, bins in rows})
+            rows = among(judged, judged_on=on).groupby("iteration").calibration
+            draw_calibration(axes, {f"iteration {i}": pooled(bins) for i, bins in rows})
             axes.set_title(title)
     return figure
 

@@ -5,19 +5,19 @@ from dataclasses import replace
 import pytest
 
 from pipeline.evaluation.experiment import ROLLOUT
-from pipeline.report.reliability import pooled, reliability
+from pipeline.report.calibration import calibration, pooled
 from tests.evaluation.made_up import GOOD, experiment
 
 
 def test_older_metrics_have_no_picture() -> None:
-    assert reliability(experiment(GOOD)) is None
+    assert calibration(experiment(GOOD)) is None
 
 
 def test_each_iteration_has_a_line_on_what_was_measured() -> None:
     bins = [[0.1, 0.2, 30.0], [0.6, 0.5, 10.0]]
     made_up = experiment(GOOD)
-    rows = made_up.quality.assign(judged_on=ROLLOUT, reliability=[bins] * len(made_up.quality))
-    figure = reliability(replace(made_up, quality=rows))
+    rows = made_up.quality.assign(judged_on=ROLLOUT, calibration=[bins] * len(made_up.quality))
+    figure = calibration(replace(made_up, quality=rows))
     assert figure is not None
     held_out, rollout = figure.axes
     assert len(held_out.get_lines()) == 1  # the diagonal

@@ -8,12 +8,12 @@ from matplotlib.ticker import PercentFormatter
 LARGEST = 120.0  # [points squared] of the marker of a bin that has all frames
 
 
-def draw_reliability(axes: Axes, sets: Mapping[str, Sequence[Sequence[float]]]) -> None:
+def draw_calibration(axes: Axes, sets: Mapping[str, Sequence[Sequence[float]]]) -> None:
     """Draw the bins of each set of frames; the more of its frames are in one, the larger its marker.
 
     Args:
         axes: to draw in.
-        sets: by name, of each bin [predicted, observed, frames], see `learning.quality.reliability`.
+        sets: by name, of each bin [predicted, observed, frames], see `learning.quality.calibration`.
     """
     axes.plot([0, 1], [0, 1], color="0.6", linewidth=0.8)
     for name, bins in sets.items():
