@@ -40,7 +40,9 @@ def main() -> None:
     for part in PARTS:
         print(f"{part} ...", flush=True)
         module = import_module(f"benchmarks.{part}")
-        page += [f"## {part.capitalize()}\n", f"{module.__doc__}\n", table(module.rows()) + "\n"]
+        measured = table(module.rows())
+        print(measured, flush=True)  # nothing that took so long is lost where a later part fails
+        page += [f"## {part.capitalize()}\n", f"{module.__doc__}\n", measured + "\n"]
     PAGE.write_text("\n".join(page))
     print(PAGE)
 
