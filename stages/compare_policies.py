@@ -35,7 +35,7 @@ def compare_policies(
     from pipeline.policies.computing import find_device
     from pipeline.policies.inference import Driver
     from pipeline.rollout.judgement import Judgement, rule_of
-    from pipeline.rollout.plans import Plan
+    from pipeline.rollout.plans import SEED_STREAMS, Plan
     from pipeline.rollout.strategies import parse_driving
 
     track, how, computes = track_to_draw(task), parse_driving(strategy), find_device(device)
@@ -49,7 +49,7 @@ def compare_policies(
         with options.progress("driving", len(sides)) as advance_to:
             for number, (driver, judgement) in enumerate(sides):
                 frames = []
-                plan = Plan(task, track.name, rule_of(how, judgement), (seed,))
+                plan = Plan(task, track.name, rule_of(how, judgement), (seed, SEED_STREAMS["film"]))
                 for footage, tally in watched(plan, driver, judgement):
                     frames.append(footage)
                     advance_to(number + tally.done)

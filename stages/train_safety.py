@@ -80,6 +80,11 @@ def train_safety(
     with new_directory(output) as folder:
         for one, another in combinations([own_data, safe_data, *audited], 2):
             refuse_shared(one, another)
+        trained = policy_lineage(primary)
+        if safe_data.lineage.sha256 in trained.own.parents:
+            raise ValueError(
+                f"{d_safe}: {primary} was trained on it, expected a D_safe (are the two swapped?)"
+            )
         for line in [line for each in (safe_data, own_data, *audited) for line in told(each)]:
             typer.echo(line)
         judged = partial(judge, network, rule=LabelRule.of(vars(config)))
@@ -100,7 +105,8 @@ def train_safety(
         safe = safe_labels(shown.deviation, settings.tau)
         if len(np.unique(safe)) == 1:
             kind = "safe" if safe[0] else "unsafe"
-            typer.echo(f"all frames to learn from are {kind}: it will call any {kind}", err=True)
+            told_apart = f"all frames to learn from are {kind}: nothing to tell apart, at this tau"
+            typer.echo(told_apart, err=True)
         with options.epochs(settings.samples, curve) as on_epoch:
             safety, _ = train(
                 shown.features,
@@ -117,7 +123,7 @@ def train_safety(
             )
         SafetyPolicy(config, safety).save_pretrained(folder)
         data = [safe_data, own_data, *audited]
-        parents = [policy_lineage(primary), *(each.lineage for each in data)]
+        parents = [trained, *(each.lineage for each in data)]
         arguments = options.arguments(context) | {"measure": settings.measure}
         recipe = Recipe("safety", arguments, parents)
         recipe.lineage(weights_sha256(folder)).write(folder)

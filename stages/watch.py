@@ -47,7 +47,7 @@ def watch(
     from pipeline.policies.computing import find_device
     from pipeline.policies.inference import Driver
     from pipeline.rollout.judgement import Judgement, rule_of
-    from pipeline.rollout.plans import Plan
+    from pipeline.rollout.plans import SEED_STREAMS, Plan
     from pipeline.rollout.strategies import Strategy
 
     track, computes = track_to_draw(task), find_device(device)
@@ -57,7 +57,9 @@ def watch(
         raise ValueError(f"strategy is {strategy}, which needs a primary")
     driver = Driver.load(primary, safety, device=computes) if primary else None
     judgement = Judgement.read(safety, cut) if safety else None
-    plan = Plan(task, track.name, rule_of(Strategy(strategy), judgement), (seed,))
+    plan = Plan(
+        task, track.name, rule_of(Strategy(strategy), judgement), (seed, SEED_STREAMS["film"])
+    )
     fps, tally = task.fps, Tally()
     frames = watched(plan, driver, judgement)
     with options.rerun_sink(save, web, port, live_blueprint(fps)) as sink:

@@ -86,6 +86,8 @@ def test_training_is_refused_what_would_spoil_it(
         "reference, expected some to learn from",
         f"train-safety one D_0 D_0 bad {SAFETY}": "D_0: 6 of its frames are in D_0 too, "
         "expected none",
+        f"train-safety one D_0 D_safe bad {SAFETY}": "D_0: one was trained on it, "
+        r"expected a D_safe \(are the two swapped\?\)",
         f"train-safety one D_safe D_0 safe {SAFETY}": None,
         f"watch other safe {drive}": "safe: was trained to watch another primary than other",
     }.items():

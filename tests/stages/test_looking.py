@@ -104,6 +104,19 @@ def test_takeovers_are_listed_as_they_are_ranked(
     assert written / 2 < float(size.removeprefix(about).removesuffix(" MB")) < written * 2
 
 
+def test_a_film_and_a_recording_are_of_one_drive(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """With equal seeds, by whatever strategy: where both drive, the outcome is the same."""
+    drive = [*CAR, "--seconds", "3", "--seed", "7", "--strategy"]
+    for policies, strategy in ((["primary", "safety"], "safe"), (["primary"], "naive")):
+        typed, path = [*policies, *drive, strategy], tmp_path / strategy
+        assert run("film", *typed, "--show-every", "9", "--output", f"{path}.gif") == 0
+        filmed = capsys.readouterr().out.splitlines()[-1].partition("pictures; ")[2]
+        assert run("watch", *typed, "--save", f"{path}.rrd") == 0
+        assert filmed in capsys.readouterr().out.splitlines()
+
+
 def test_driving_naively_needs_no_safety_policy(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
