@@ -86,7 +86,7 @@ def test_there_is_a_claim_for_each_budget_and_way_to_collect() -> None:
         return [SPECS[name].name for name in names]
 
     judged = answers(curves(dict.fromkeys(SPECS, 0.9)))
-    assert [each.verdict for each in judged] == ["holds"] * 4 + ["does not hold"] * 15
+    assert [each.verdict for each in judged] == ["holds"] * 5 + ["does not hold"] * 18
     halves = named("safedagger2000", "dagger2000", "audited2000", "aside2000")
     ours = "safedagger500", "safedagger1000", "safedagger2000", "safedagger1000_anywhere"
     theirs = "dagger500", "dagger1000", "dagger2000", "dagger1000_anywhere"
