@@ -87,11 +87,11 @@ def test_there_is_a_claim_for_each_budget_and_way_to_collect() -> None:
 
     judged = answers(curves(dict.fromkeys(SPECS, 0.9)))
     assert [each.verdict for each in judged] == ["holds"] * 5 + ["does not hold"] * 18
-    halves = named("safedagger2000", "dagger2000", "audited2000", "aside2000")
+    halves = named("safedagger2000", "dagger2000", "sized2000", "audited2000", "aside2000")
     ours = "safedagger500", "safedagger1000", "safedagger2000", "safedagger1000_anywhere"
     theirs = "dagger500", "dagger1000", "dagger2000", "dagger1000_anywhere"
-    audited = "audited1000", "audited2000", "aside1000", "aside2000"
-    rivals = zip(named(*ours, *audited), named(*theirs, *theirs[1:3] * 2), strict=True)
+    audited = "sized1000", "sized2000", "audited1000", "audited2000", "aside1000", "aside2000"
+    rivals = zip(named(*ours, *audited), named(*theirs, *theirs[1:3] * 3), strict=True)
     most = ("safedagger2000", "dagger4000", "supervised2000", ours[3], theirs[3], *audited[1::2])
     assert [each.claim for each in judged] == [
         *(HALF.format(run) for run in halves),
