@@ -12,12 +12,10 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from pipeline.data.dataset import Dataset
-from pipeline.data.images import read_all
-from pipeline.data.labels import labelled
 from pipeline.learning.labels import LabelRule
 from pipeline.learning.quality import detection_quality
+from pipeline.learning.safety import proposals
 from pipeline.learning.training import safe_probabilities
-from pipeline.policies.inference import propose
 from pipeline.policies.network import Actor, SafetyNetwork
 
 ALL = "all"
@@ -49,16 +47,13 @@ def look_at(primary: Actor, safety: SafetyNetwork, dataset: Dataset, rule: Label
     """Run both policies over the frames of a dataset that have a label.
 
     Raises:
-        ValueError: another robot's dataset, or one without a label of the reference.
+        ValueError: as `safety.proposals`.
     """
-    dataset.require({**primary.seen, "action": primary.action})
-    rows, run = labelled(dataset)
-    columns = read_all(dataset, ["action", *primary.seen], rows)
-    proposed, features = propose(primary, columns)
+    proposed, features, actions, run = proposals(primary, dataset)
     return Frames(
         proposed,
-        columns["action"],
-        rule.deviation(proposed, columns["action"], run, dataset.fps),
+        actions,
+        rule.deviation(proposed, actions, run, dataset.fps),
         safe_probabilities(safety, features),
         _numbers(dataset)[dataset.column("queried")],
         run,

@@ -50,6 +50,24 @@ class Judged:
         return Judged(*(column[rows] for column in vars(self).values()))
 
 
+def proposals(
+    primary: Actor, dataset: Dataset
+) -> tuple[NDArray[np.float32], NDArray[np.float16], NDArray[np.float32], NDArray[np.int64]]:
+    """What a primary would do in the frames of a dataset that carry the reference's action.
+
+    Returns:
+        [N, A], its actions; [N, F], what it looked at; [N, A], the reference's actions; and [N], which
+        run of neighbours with a label each frame is in.
+
+    Raises:
+        ValueError: another robot's dataset, or one without a label of the reference.
+    """
+    dataset.require({**primary.seen, "action": primary.action})
+    rows, run = labelled(dataset)
+    columns = read_all(dataset, ["action", *primary.seen], rows)
+    return *propose(primary, columns), columns["action"], run
+
+
 def judge(primary: Actor, dataset: Dataset, *, rule: LabelRule) -> Judged:
     """Run a primary over the frames of a dataset that carry the reference's action.
 
@@ -59,13 +77,9 @@ def judge(primary: Actor, dataset: Dataset, *, rule: LabelRule) -> Judged:
         rule: what counts as a deviation.
 
     Raises:
-        ValueError: another robot's dataset, or one without a label of the reference.
+        ValueError: as `proposals`.
     """
-    dataset.require({**primary.seen, "action": primary.action})
-    rows, run = labelled(dataset)
-    columns = read_all(dataset, ["action", *primary.seen], rows)
-    actions = columns["action"]
-    proposed, features = propose(primary, columns)
+    proposed, features, actions, run = proposals(primary, dataset)
     epsilon = rule.deviation(proposed, actions, run, dataset.fps)
     probability = dataset.column("ask_probability")[dataset.column("queried")]
     asked = np.nan_to_num(probability.astype(float), nan=1.0)
