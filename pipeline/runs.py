@@ -151,9 +151,8 @@ class Run(BaseModel):
         """Options of train-safety after an iteration."""
         tau = self.tau[iteration] if len(self.tau) > 1 else self.tau[0]
         labels = {"tau": tau, "horizon": self.horizon, "horizon-mode": self.horizon_mode}
-        own = {"learns": self.learns, "calibration": self.calibration, "cut": self.cut}
-        usual = {"learns": "unsafe", "calibration": 0, "cut": None}
-        return labels | {name: value for name, value in own.items() if value != usual[name]}
+        own = self.model_dump(include={"learns", "calibration", "cut"}, exclude_defaults=True)
+        return labels | own
 
 
 class Reliability(BaseModel):
