@@ -6,6 +6,7 @@ meet the same situations.
 
 import math
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 import pandas as pd
@@ -20,6 +21,9 @@ from pipeline.rollout.strategies import Strategy
 
 RESAMPLING_SEED = 0
 """of every interval, so that none depends on which others were asked for"""
+
+KEPT = 512
+"""resampled intervals that are not resampled again: tables, figures and claims ask for the same"""
 
 _SITUATION = ["seed", *SITUATION]
 
@@ -55,6 +59,7 @@ class Contrast:
     """what the metric can be at most"""
 
 
+@lru_cache(KEPT)
 def estimate(experiment: Tables, metric: str, cell: Cell) -> Estimate | None:
     """One of METRICS in a cell; None where there are no such drives or it is not defined.
 
@@ -72,6 +77,7 @@ def estimate(experiment: Tables, metric: str, cell: Cell) -> Estimate | None:
     )
 
 
+@lru_cache(KEPT)
 def contrast(experiment: Tables, metric: str, cell: Cell, baseline: Cell) -> Contrast | None:
     """One of METRICS in a cell against another; None where they share no situation or it is not
     defined.

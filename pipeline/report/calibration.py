@@ -39,7 +39,9 @@ def pooled(measured: Iterable[Sequence[Sequence[float]]]) -> list[list[float]]:
     """The bins of several sets of frames as those of all their frames."""
     together = defaultdict(list)
     for predicted, observed, frames in (each for bins in measured for each in bins):
-        together[min(int(BINS * predicted), BINS - 1)].append((predicted, observed, frames))
+        together[min(int(BINS * round(predicted, 6)), BINS - 1)].append(
+            (predicted, observed, frames)
+        )
     found = []
     for _, bins in sorted(together.items()):
         many = sum(frames for *_, frames in bins)
