@@ -43,6 +43,7 @@ def film(
     computes, how = find_device(device), parse_driving(strategy)
     pairs = [
         (
+            learner.name,
             Driver.load(learner, watcher, device=computes),
             rule_of(how, Judgement.read(watcher, cut) if watcher else None),
         )
@@ -50,10 +51,10 @@ def film(
     ]
     films, ends = [], []
     with options.progress("driving", len(pairs)) as advance_to:
-        for before, (driver, rule) in enumerate(pairs):
+        for before, (name, driver, rule) in enumerate(pairs):
             plan = Plan(task, track.name, rule, (seed, SEED_STREAMS["film"]))
             shown = []
-            for number, (picture, tally) in enumerate(shoot(plan, driver)):
+            for number, (picture, tally) in enumerate(shoot(plan, driver, name)):
                 if number % show_every == 0:
                     shown.append(picture)
                 advance_to(before + tally.done)

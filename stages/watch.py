@@ -40,8 +40,9 @@ def watch(
 ) -> None:
     """Drive, and show it in Rerun meanwhile. Ctrl-C ends the drive."""
     from pipeline.inspection.drawn import Tally, track_to_draw
+    from pipeline.inspection.footage import Footage
     from pipeline.inspection.live import in_real_time, watched
-    from pipeline.inspection.rerun_blueprints import live_blueprint
+    from pipeline.inspection.rerun_blueprints import drive_blueprint, live_blueprint
     from pipeline.inspection.rerun_log import drive_tracer, new_recording
     from pipeline.inspection.rerun_traces import COMPRESSED, RAW
     from pipeline.policies.computing import find_device
@@ -62,17 +63,22 @@ def watch(
     )
     fps, tally = task.fps, Tally()
     frames = watched(plan, driver, judgement)
-    with options.rerun_sink(save, web, port, live_blueprint(fps)) as sink:
+    saved: list[Footage] = []  # at once, so that a file has lanes too
+    blueprint = drive_blueprint(fps) if save else live_blueprint(fps)
+    with options.rerun_sink(save, web, port, blueprint) as sink:
         name = f"{track.name}/{strategy}/{seed}"
         title = f"{strategy}, {plan.description}, seed {seed}"
         with new_recording(name, title, track, sink.connect) as recording:
             tracer = drive_tracer(
                 recording, fps=fps, judgement=judgement, camera=COMPRESSED if save else RAW
             )
-            with suppress(KeyboardInterrupt):
-                for footage, after in frames if save else in_real_time(frames, fps):
+            show = saved.append if save else tracer.send
+            with suppress(KeyboardInterrupt), options.progress(track.name, 1) as advance_to:
+                for footage, tally in frames if save else in_real_time(frames, fps):
                     if not sink.is_open():
                         break
-                    tracer.send(footage)
-                    tally = after
+                    show(footage)
+                    advance_to(tally.done)
+            if saved:
+                tracer.send(Footage.joined(saved))
             typer.echo(tally)

@@ -29,9 +29,9 @@ TRAFFIC, OUTLINE, INK, PAPER = (240, 228, 66), (0, 0, 0), (20, 20, 20), (255, 25
 SUBPIXELS = 3  # bits: cv2 draws at eighths of a pixel
 
 
-def shoot(plan: Plan, driver: Driver) -> Iterator[tuple[NDArray[np.uint8], Tally]]:
-    """Drive, and show each frame, uint8 [H, 480, 3], with what the drive has come to so far. The trail is
-    blue where the primary drove, red where the reference did. Raises as `drawn`.
+def shoot(plan: Plan, driver: Driver, name: str) -> Iterator[tuple[NDArray[np.uint8], Tally]]:
+    """Drive, and show each frame, uint8 [H, 480, 3], with the primary's name and what the drive has come
+    to so far. The trail is blue where the primary drove, red where the reference did. Raises as `drawn`.
     """
     ground, to_pixels = track_map(plan.scenario, WIDE)
     trail: NDArray[np.float64] | None = None
@@ -42,7 +42,7 @@ def shoot(plan: Plan, driver: Driver) -> Iterator[tuple[NDArray[np.uint8], Tally
         trail = here
         above = ground.copy()
         _draw_cars(above, world.cars, to_pixels, _colour(frame))
-        head = _head(plan, world, frame, tally.by_reference / tally.frames)
+        head = _head(f"{name}, {plan.rule.name}", world, frame, tally.by_reference / tally.frames)
         yield np.concatenate([head, above]), tally
 
 
@@ -83,14 +83,14 @@ def _colour(frame: Frame) -> tuple[int, int, int]:
     return REFERENCE if frame.intervention else PRIMARY
 
 
-def _head(plan: Plan, world: World, frame: Frame, share: float) -> NDArray[np.uint8]:
-    """The camera's picture, and beside it the strategy, who drives, and how it has gone so far."""
+def _head(title: str, world: World, frame: Frame, share: float) -> NDArray[np.uint8]:
+    """The camera's picture, and beside it a title, who drives, and how it has gone so far."""
     seen = cv2.resize(
         frame.observation[CAMERA], None, fx=ENLARGED, fy=ENLARGED, interpolation=cv2.INTER_LINEAR
     )
     words = np.full((len(seen), WIDE - seen.shape[1], 3), PAPER, np.uint8)
     lines = {
-        f"strategy: {plan.rule.name}": INK,
+        title: INK,
         f"{'reference' if frame.intervention else 'primary'} drives": _colour(frame),
         f"lap {max(world.laps, 0.0):.2f}, damage {world.damage:.1f}": INK,
         f"reference drove {100 * share:.0f} %": INK,

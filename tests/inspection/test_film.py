@@ -25,13 +25,19 @@ BY_PRIMARY, BY_REFERENCE = (plan(rule, track="yew") for rule in (Naive(), Refere
 def test_every_frame_is_shown_and_the_trail_says_who_drove(
     driver: Driver, plan: Plan, colour: tuple, other: tuple
 ) -> None:
-    pictures, tallies = zip(*shoot(plan, driver), strict=True)
+    pictures, tallies = zip(*shoot(plan, driver, "primary_0"), strict=True)
     assert [tally.frames for tally in tallies] == list(range(1, 11))
     laps = [tally.laps for tally in tallies]
     assert np.all(np.diff(laps) > 0) and laps[-1] > 0.02
     trail = [np.all(picture[120:] == colour, axis=2).sum() for picture in pictures]
     assert trail[-1] > trail[0] > 0
     assert not np.any(np.all(pictures[-1][120:] == other, axis=2))
+
+
+def test_a_film_says_whose_it_is(driver: Driver) -> None:
+    (one, _), (other, _) = (next(shoot(BY_PRIMARY, driver, name)) for name in ("pi_0", "pi_3"))
+    rows, columns = np.nonzero(np.any(one != other, axis=2))
+    assert 0 < rows.max() <= 26 and columns.min() > 240
 
 
 def test_a_map_says_where_the_road_is() -> None:
@@ -46,7 +52,7 @@ def test_a_map_says_where_the_road_is() -> None:
 
 
 def test_a_gif_has_every_picture_and_equal_bytes(driver: Driver) -> None:
-    pictures = [picture for picture, _ in shoot(BY_REFERENCE, driver)]
+    pictures = [picture for picture, _ in shoot(BY_REFERENCE, driver, "primary_0")]
     content = gif(pictures, 100)
     assert gif(pictures, 100) == content
     film = Image.open(io.BytesIO(content))
@@ -57,7 +63,7 @@ def test_a_gif_has_every_picture_and_equal_bytes(driver: Driver) -> None:
 
 
 def test_the_shorter_of_two_films_waits_at_its_end(driver: Driver) -> None:
-    film = [picture for picture, _ in shoot(BY_PRIMARY, driver)]
+    film = [picture for picture, _ in shoot(BY_PRIMARY, driver, "primary_0")]
     both = beside(film, film[:4])
     width = film[0].shape[1]
     assert len(both) == len(film)

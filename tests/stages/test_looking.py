@@ -16,7 +16,7 @@ from pipeline.policies.network import SafetyNetwork
 from pipeline.policies.safety import SafetyConfig, SafetyPolicy
 from tests.command import run
 from tests.episodes import random_episode, write
-from tests.inspection.saved import column, recordings
+from tests.inspection.saved import column, origins, recordings
 
 BOTH = ["primary", "safety", "primary_b", "safety_b"]
 CAR = ["--tracks", "willow", "--traffic", "3", "--seconds", "0.5", "--action-repeat", "3"]
@@ -85,6 +85,7 @@ def test_a_file_for_rerun(
     if typed[0] == "compare-policies":
         assert [line.split(":")[0] for line in before] == ["a, primary", "b, primary_b"]
     if typed[0] == "watch":
+        assert "who" in origins(path)
         assert before[-1].startswith("0.0") and " laps, damage 0.00, 5 frames" in before[-1]
     if "--tracks" in typed:
         assert all(line.endswith("takeovers; ended: out of time") for line in before)
