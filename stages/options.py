@@ -130,7 +130,8 @@ def chosen(command: Callable[..., None], typed: Sequence[str]) -> Callable[..., 
         name, kind = given.name, given.annotation
         if kind in ("Task", "Lesson"):
             known, kind = _named(kind, _after(f"--{name}", typed, "driving"))
-            which = typer.Option(help=f"{', '.join(known)}, or module:class.")
+            listed = f"{', '.join(known)}, or module:class; with --help after it, its options."
+            which = typer.Option(help=listed)
             parameters.append(_parameter(name, Annotated[str, which], kind.name))
         if isinstance(kind, type) and issubclass(kind, Settings):
             made[name] = kind, (own := settings(kind))
