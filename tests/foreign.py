@@ -1,5 +1,6 @@
 """A dataset that somebody else has written: as `lerobot-rollout --strategy.type=dagger` would."""
 
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -60,3 +61,14 @@ def foreign(
         dataset.save_episode()
     dataset.finalize()
     return Dataset.open(path)
+
+
+def robot(root: Path) -> None:
+    """What docs/use-your-own.md calls `theirs`: two of demonstrations, one of a drive that was watched."""
+    for seed, name in enumerate(("demos", "more_demos"), 1):
+        foreign(root / name, videos=False, cameras=CAMERAS[:1], watched=False, seed=seed)
+    foreign(root / "rollout", videos=False, cameras=CAMERAS[:1])
+
+
+if __name__ == "__main__":
+    robot(Path(sys.argv[1]))

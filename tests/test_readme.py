@@ -14,7 +14,7 @@ from joblib.externals.loky import get_reusable_executor
 
 from stages.__main__ import STAGES
 from tests.command import typed
-from tests.foreign import CAMERAS, foreign
+from tests.foreign import robot
 
 ROOT = Path(__file__).parent.parent
 PROGRAMS = ("safedagger", "lerobot-train")
@@ -219,10 +219,7 @@ def test_a_dataset_of_ones_own(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) 
     from pipeline.data.dataset import Dataset
 
     monkeypatch.chdir(tmp_path)
-    camera = CAMERAS[:1]
-    for seed, name in enumerate(("demos", "more_demos"), 1):
-        foreign(Path("theirs") / name, videos=False, cameras=camera, watched=False, seed=seed)
-    foreign(Path("theirs/rollout"), videos=False, cameras=camera)
+    robot(Path("theirs"))
     for command in commands(*DATASET):
         typed(*command)
     demos, corrected = (Dataset.open(Path("theirs") / name) for name in ("demos", "D_1"))
