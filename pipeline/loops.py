@@ -180,5 +180,6 @@ def _relied_on(comparison: Comparison) -> Iterator[tuple[str, dict[str, str]]]:
     for beginning in dict.fromkeys(start(name, run) for name, run in comparison.runs.items()):
         yield beginning, {"scenarios": there.ends}
     for step, _, run, i in _steps(comparison):
-        last = i == run.iterations[-1]
-        yield step, {"scenarios": there.ends if last else there.between}
+        scenarios = there.ends if i == run.iterations[-1] else there.between
+        if scenarios:
+            yield step, {"scenarios": scenarios}

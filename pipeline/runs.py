@@ -165,8 +165,8 @@ class Reliability(BaseModel):
 
     ends: str
     """of the supervised stage, and of each run's last iteration"""
-    between: str
-    """of the other iterations"""
+    between: str | None = None
+    """of the other iterations; none of them is driven where None"""
 
 
 class Comparison(BaseModel):

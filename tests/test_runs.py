@@ -143,12 +143,13 @@ def test_what_is_set_aside_of_d_0_takes_the_place_of_d_safe() -> None:
     assert found["steps"]["one_1"]["previous"] == "0"
 
 
-def test_each_primary_is_counted_on_in_the_end_where_it_matters_and_between_in_fewer() -> None:
+def test_each_primary_is_counted_on_in_the_end_and_between_where_it_is_told() -> None:
     told = {"runs": {"one": ONE}, "protocols": {"long": LONG}}
     assert unrolled(Comparison.of(told))["relied-on"] == {}
-    found = unrolled(Comparison.of(told | {"reliability": {"ends": "a,b", "between": "a"}}))
-    scenarios = {step: told["scenarios"] for step, told in found["relied-on"].items()}
-    assert scenarios == {"0": "a,b", "one_1": "a", "one_2": "a,b"}
+    for there, between in (({"between": "a"}, {"one_1": "a"}), ({}, {})):
+        found = unrolled(Comparison.of(told | {"reliability": {"ends": "a,b"} | there}))
+        scenarios = {step: told["scenarios"] for step, told in found["relied-on"].items()}
+        assert scenarios == {"0": "a,b", "one_2": "a,b"} | between
     aside = {"two": AUDITED | {"set_aside": 0.2}}
     told |= {"runs": told["runs"] | aside, "reliability": {"ends": "a,b", "between": "a"}}
     assert unrolled(Comparison.of(told))["relied-on"]["two_0"] == {"scenarios": "a,b"}
