@@ -54,20 +54,10 @@ def judge(
     from pipeline.learning.labels import LabelRule
     from pipeline.output import check_place, write_file
     from pipeline.policies.computing import find_device
-    from pipeline.policies.loading import (
-        check_pair,
-        load_primary,
-        load_safety,
-        read_config,
-        read_cut,
-        read_labels,
-    )
+    from pipeline.policies.loading import load_pair, read_cut, read_labels
 
     check_place(metrics, figure)
-    computes = find_device(device)
-    check_pair(primary, safety)
-    features_of = read_config(safety).text("features_of")
-    network, watching = load_primary(primary, features_of, computes), load_safety(safety)
+    network, watching = load_pair(primary, safety, find_device(device))
     labels = read_labels(safety)
     rule, tau = LabelRule.of(labels), labels["tau"] if tau is None else tau
     cut = read_cut(safety) if cut is None else cut

@@ -16,13 +16,7 @@ from torch import Tensor
 
 from pipeline.data.schema import Feature, check_features, column_dtype
 from pipeline.policies.computing import CPU, computing
-from pipeline.policies.loading import (
-    SAFETY_TYPE,
-    check_pair,
-    load_primary,
-    load_safety,
-    read_config,
-)
+from pipeline.policies.loading import load_pair, load_primary
 from pipeline.policies.network import Actor, SafetyNetwork, has_bfloat16
 
 _PROPOSED = 32
@@ -89,10 +83,7 @@ class Driver:
         """
         if safety is None:
             return cls(load_primary(primary, device=device), hold=hold, bfloat16=bfloat16)
-        check_pair(primary, safety)
-        features_of = read_config(safety, SAFETY_TYPE).text("features_of")
-        watched = load_primary(primary, features_of, device)
-        return cls(watched, load_safety(safety), hold=hold, bfloat16=bfloat16)
+        return cls(*load_pair(primary, safety, device), hold=hold, bfloat16=bfloat16)
 
     def check_task(self, name: str, features: Mapping[str, Feature]) -> None:
         """Check that a task with these columns shows what the primary sees, and does what it does.

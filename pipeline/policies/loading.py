@@ -83,6 +83,18 @@ def load_safety(directory: Path) -> SafetyNetwork:
     return network
 
 
+def load_pair(
+    primary: Path, safety: Path, device: torch.device = CPU
+) -> tuple[Actor, SafetyNetwork]:
+    """A primary on a device and the safety network that watches it. ValueError where that was trained on
+    another primary, whose features mean something else; or as `load_primary`.
+    """
+    config = read_config(safety, SAFETY_TYPE)
+    if config.text("primary_sha256") != weights_sha256(primary):
+        raise ValueError(f"{safety}: was trained to watch another primary than {primary}")
+    return load_primary(primary, config.text("features_of"), device), load_safety(safety)
+
+
 def read_config(directory: Path, *kinds: str) -> Config:
     """The configuration of the policy in `directory`, of any of `kinds`, or of any at all.
 
@@ -165,17 +177,6 @@ def load_weights(network: nn.Module, directory: Path) -> None:
         if found != expected:
             raise ValueError(f"{path}: {name} is {found}, expected {expected}")
     network.load_state_dict({name.removeprefix("network."): saved[name] for name in saved})
-
-
-def check_pair(primary: Path, safety: Path) -> None:
-    """Check that one policy watches the other: the features of another primary mean something else.
-
-    Raises:
-        ValueError: it was trained on another primary; or as `read_config`.
-    """
-    known = read_config(safety, SAFETY_TYPE).text("primary_sha256")
-    if known != weights_sha256(primary):
-        raise ValueError(f"{safety}: was trained to watch another primary than {primary}")
 
 
 def _weights(directory: Path) -> Path:
