@@ -41,8 +41,6 @@ class PrimaryConfig(OfflineConfig):
     weight of the brake raises its probability."""
     loss: LossWeights = field(default_factory=LossWeights)
 
-    device: str | None = "cpu"
-    push_to_hub: bool = False
     input_features: dict[str, PolicyFeature] | None = field(
         default_factory=lambda: {CAMERA: PolicyFeature(FeatureType.VISUAL, _CHANNELS_FIRST)}
     )

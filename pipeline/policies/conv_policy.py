@@ -25,8 +25,6 @@ class ConvConfig(OfflineConfig):
     hidden: int = 128
     """>= 1, width of the layer before the action."""
 
-    device: str | None = "cpu"
-    push_to_hub: bool = False
     normalization_mapping: dict[str, NormalizationMode] = field(
         default_factory=lambda: dict.fromkeys(
             ("VISUAL", "STATE", "ACTION"), NormalizationMode.IDENTITY
@@ -42,10 +40,8 @@ class ConvConfig(OfflineConfig):
 
 class ConvPolicy(OfflinePolicy):
     """A convolutional primary: its network, its loss, and the actions it drives with. `network` is of
-    the features and widths of `config`; None draws one from PyTorch's global generator.
-
-    Raises:
-        ValueError: features that it cannot have.
+    the features and widths of `config`; None draws one from PyTorch's global generator. ValueError for
+    features that it cannot have.
     """
 
     config_class = ConvConfig

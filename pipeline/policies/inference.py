@@ -75,21 +75,16 @@ class Driver:
         bfloat16: bool = True,
     ) -> Self:
         """The policies saved in two directories, such as models/primary_0 and models/safety_0, to
-        compute on `device`.
-
-        Raises:
-            ValueError: files are missing, of another kind of policy, or do not fit; `safety` watches
-                another primary; or as `Driver`.
+        compute on `device`. ValueError where files are missing, of another kind of policy, or do not
+        fit; where `safety` watches another primary; or as `Driver`.
         """
         if safety is None:
             return cls(load_primary(primary, device=device), hold=hold, bfloat16=bfloat16)
         return cls(*load_pair(primary, safety, device), hold=hold, bfloat16=bfloat16)
 
     def check_task(self, name: str, features: Mapping[str, Feature]) -> None:
-        """Check that a task with these columns shows what the primary sees, and does what it does.
-
-        Raises:
-            ValueError: names the first column that does not fit, and both sides.
+        """Check that a task with these columns shows what the primary sees, and does what it does: a
+        ValueError names the first column that does not fit, and both sides.
         """
         wanted = {**self.primary.seen, "action": self.primary.action}
         try:
@@ -102,13 +97,9 @@ class Driver:
         self._planned.clear()
 
     def act(self, seen: Mapping[str, np.ndarray]) -> tuple[np.ndarray, dict[str, float]]:
-        """The primary's action for an observation by column, and what the policies say beside it.
-
-        Returns:
-            float32 [A]; and "safe_probability" [0, 1] where there is a safety policy.
-
-        Raises:
-            ValueError: a column is missing, or of another shape or type.
+        """The primary's action float32 [A] for an observation by column, and what the policies say beside
+        it: "safe_probability" [0, 1], where there is a safety policy. ValueError where a column is
+        missing, or of another shape or type.
         """
         for name, feature in self.primary.seen.items():
             kind, found = column_dtype(feature), seen.get(name)
@@ -136,15 +127,9 @@ class Driver:
 def propose(
     network: Actor, seen: Mapping[str, np.ndarray], *, bfloat16: bool = True
 ) -> tuple[np.ndarray, np.ndarray]:
-    """What a primary proposes for many frames, and what it looked at, in one pass.
-
-    Args:
-        network: a trained primary network; its device computes.
-        seen: by column [N, ...]; images are uint8 [N, H, W, 3].
-        bfloat16: as for `Driver`.
-
-    Returns:
-        float32 [N, A]; and float16 [N, F].
+    """What a primary proposes for many frames, float32 [N, A], and what it looked at, float16 [N, F], in
+    one pass on its device. They are `seen` by column [N, ...], images as uint8 [N, H, W, 3]; for
+    `bfloat16` see `Driver`.
     """
     ready = _ready(network, bfloat16)
     frames = len(next(iter(seen.values())))

@@ -28,18 +28,11 @@ FEATURES_OF = {"act": "model.action_head"}
 
 
 class LeRobotActor(Actor):
-    """A policy, its processors, and the module from which a safety policy learns.
+    """A policy that needs no history, its processors, and the module from which a safety policy learns.
 
-    What a safety policy reads is that module's input, or output, for the first action, and the action
-    itself.
-
-    Args:
-        policy: any that needs no history.
-        processors: before and after it.
-        features_of: the name of one of its modules, whose input is read; "name:output" its output.
-
-    Raises:
-        ValueError: it has no such module.
+    What a safety policy reads is that module's input for the first action, and the action itself;
+    where `features_of` is "name:output", and not only its name, its output. ValueError where the policy
+    has no such module.
     """
 
     def __init__(
@@ -67,11 +60,9 @@ class LeRobotActor(Actor):
 
     @classmethod
     def load(cls, directory: Path, features_of: str = "", device: torch.device = CPU) -> Self:
-        """The policy saved in a directory, on a device, whichever it was trained on.
-
-        Raises:
-            ValueError: LeRobot knows no such type, files are missing or do not fit, or nobody says
-                which module a safety policy is to read.
+        """The policy saved in a directory, on a device, whichever it was trained on. ValueError where
+        LeRobot knows no such type, files are missing or do not fit, or nobody says which module a
+        safety policy is to read.
         """
         try:
             config = PreTrainedConfig.from_pretrained(directory)

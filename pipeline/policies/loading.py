@@ -61,9 +61,7 @@ def load_primary(directory: Path, features_of: str = "", device: torch.device = 
     """The primary in a policy's directory: ours, or whatever LeRobot's registry knows, with processors.
 
     Of LeRobot's, `features_of` is the module whose input a safety policy reads; see `lerobot`.
-
-    Raises:
-        ValueError: something is missing or misfits.
+    ValueError where something is missing or misfits.
     """
     config = read_config(directory)
     if config.kind not in PRIMARIES:
@@ -96,10 +94,8 @@ def load_pair(
 
 
 def read_config(directory: Path, *kinds: str) -> Config:
-    """The configuration of the policy in `directory`, of any of `kinds`, or of any at all.
-
-    Raises:
-        ValueError: there is none, it is not JSON, or of none of these kinds of policy.
+    """The configuration of the policy in `directory`, of any of `kinds`, or of any at all; ValueError
+    where there is none, it is not JSON, or of none of these kinds of policy.
     """
     path, wanted = Path(directory) / CONFIG_FILE, " or ".join(kinds or ("LeRobot",))
     try:
@@ -123,9 +119,7 @@ def weights_sha256(directory: Path) -> str:
 
 def policy_lineage(directory: Path) -> Lineage:
     """What the policy in `directory` is and comes from; foreign where somebody else has trained it.
-
-    Raises:
-        ValueError: there are no weights, or what tells is not one of our files.
+    ValueError where there are no weights, or what tells is not one of our files.
     """
     sha256 = weights_sha256(directory)
     known = Lineage.read(Path(directory))
@@ -160,10 +154,8 @@ def read_cut(safety: Path) -> float:
 
 
 def load_weights(network: nn.Module, directory: Path) -> None:
-    """Fill `network` with the weights saved in `directory`: all of them, and no others.
-
-    Raises:
-        ValueError: the file is missing or damaged, or a name, shape or type does not fit.
+    """Fill `network` with the weights saved in `directory`: all of them, and no others. ValueError where
+    the file is missing or damaged, or a name, shape or type does not fit.
     """
     path = _weights(directory)
     try:

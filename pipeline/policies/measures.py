@@ -41,10 +41,8 @@ def deviation(
     measure: str, proposed: NDArray, reference: NDArray, half_range: Sequence[float]
 ) -> NDArray[np.float64]:
     """Epsilon [N] of actions float32 [N, A] by the measure of this name: one of MEASURES, or
-    "module:function". `half_range` is of each number of an action; none: 1 for each.
-
-    Raises:
-        ValueError: there is no such measure, or as the measure.
+    "module:function". `half_range` is of each number of an action; none: 1 for each. ValueError where
+    there is no such measure, or as the measure.
     """
     found: Measure = find("measure", measure, MEASURES)
     halves = np.asarray(half_range or np.ones(proposed.shape[-1]), np.float64)

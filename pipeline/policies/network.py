@@ -61,14 +61,8 @@ class Actor(nn.Module):
 
 
 class ConvNetwork(Actor):
-    """Five convolutions on the image of one camera; a subclass adds what turns them into actions.
-
-    Args:
-        image_shape: height, width and channels of the image.
-        channels: c, the width of Conv1 to Conv4.
-
-    Raises:
-        ValueError: `channels` is not positive.
+    """Five convolutions on the image of one camera, of `image_shape` [H, W, channels]; a subclass adds
+    what turns them into actions. ValueError unless `channels`, c, is positive.
     """
 
     camera: str
@@ -131,15 +125,9 @@ class Convolution(nn.Conv2d):
 
 
 class SafetyNetwork(nn.Module):
-    """Two hidden layers on what a primary looked at; two logits, index 1 being safe (Eq. 2).
-
-    Args:
-        in_features: numbers that it reads of one frame, see `ConvNetwork.look`.
-        hidden: width of each of the two hidden layers.
-        generator: draws the initial weights; PyTorch's global one where None.
-
-    Raises:
-        ValueError: a width is not positive.
+    """Two hidden layers, `hidden` wide, on the `in_features` numbers of what a primary looked at in a
+    frame; two logits, index 1 being safe (Eq. 2). `generator` draws the initial weights, PyTorch's
+    global one where None. ValueError where a width is not positive.
     """
 
     def __init__(

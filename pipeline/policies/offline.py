@@ -2,6 +2,7 @@
 without the Hub. In the shapes, B is the batch.
 """
 
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Self
 
@@ -23,8 +24,12 @@ Processors = tuple[
 ]
 
 
+@dataclass
 class OfflineConfig(PreTrainedConfig):
-    """What the two configurations of this project share: no Hub, no history, no normalisation."""
+    """What the configurations of this project share: no Hub, no history, no normalisation."""
+
+    device: str | None = "cpu"
+    push_to_hub: bool = False
 
     # one observation and one action, of the present, and no rewards
     observation_delta_indices = action_delta_indices = reward_delta_indices = None
@@ -39,7 +44,7 @@ class OfflineConfig(PreTrainedConfig):
 
 
 class OfflinePolicy(PreTrainedPolicy):
-    """What the two policies share: saved with their processors, loaded strictly, no memory.
+    """What the policies share: saved with their processors, loaded strictly, no memory.
 
     A subclass keeps its weights in `network`. The same policy is saved as the same bytes.
     """
@@ -64,9 +69,7 @@ class OfflinePolicy(PreTrainedPolicy):
         **_: Any,
     ) -> Self:
         """The policy saved in a directory, in evaluation mode; with `config` in the place of its own.
-
-        Raises:
-            ValueError: files are missing, of another kind of policy, or do not fit.
+        ValueError where files are missing, of another kind of policy, or do not fit.
         """
         directory = Path(pretrained_name_or_path)
         saved = {**read_config(directory, cls.name).content}

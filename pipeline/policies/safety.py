@@ -26,10 +26,8 @@ FEATURES = "observation.features"
 @PreTrainedConfig.register_subclass(SAFETY_TYPE)
 @dataclass
 class SafetyConfig(OfflineConfig):
-    """A safety policy: what it is, and by what rule its labels were made.
-
-    Raises:
-        ValueError: a field is out of its range.
+    """A safety policy: what it is, and by what rule its labels were made; ValueError where a field is out
+    of its range.
     """
 
     primary_sha256: str = ""
@@ -55,8 +53,6 @@ class SafetyConfig(OfflineConfig):
     balance: float = 0.0
     """[0, 1], class weights in its training: 0 none, 1 balanced."""
 
-    device: str | None = "cpu"
-    push_to_hub: bool = False
     input_features: dict[str, PolicyFeature] | None = None
     output_features: dict[str, PolicyFeature] | None = field(
         default_factory=lambda: {ACTION: PolicyFeature(FeatureType.ACTION, (1,))}
@@ -79,14 +75,9 @@ class SafetyConfig(OfflineConfig):
 
 
 class SafetyPolicy(OfflinePolicy):
-    """A safety policy: two hidden layers on what its primary looked at, and Eq. 4's loss.
-
-    Args:
-        config: see `SafetyConfig`.
-        network: trained with the sizes in `config`; None draws one from PyTorch's global generator.
-
-    Raises:
-        ValueError: a network of another size, or other features than these and one action.
+    """A safety policy: two hidden layers on what its primary looked at, and Eq. 4's loss. `network` has
+    the sizes in `config`; None draws one from PyTorch's global generator. ValueError for a network of
+    another size, or other features than these and one action.
     """
 
     config_class = SafetyConfig
