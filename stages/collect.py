@@ -3,22 +3,12 @@
 And what the supervised strategy trains on in later iterations (Sec. 4.4).
 """
 
-from enum import StrEnum
-from typing import Annotated
+from typing import Annotated, Literal
 
 import typer
 
 from stages import options
 from stages.recording import keep
-
-
-class Purpose(StrEnum):
-    """What is collected."""
-
-    d_0 = "D_0"
-    d_safe = "D_safe"
-    d_held = "D_held"
-    supervised = "supervised"
 
 
 def collect(
@@ -29,8 +19,9 @@ def collect(
         int, typer.Option(min=1, help="Drives, spread evenly over the scenarios.")
     ] = 70,
     purpose: Annotated[
-        Purpose, typer.Option(help="Which random numbers to draw: no two purposes share any.")
-    ] = Purpose.d_0,
+        Literal["D_0", "D_safe", "D_held", "supervised"],
+        typer.Option(help="Which random numbers to draw: no two purposes share any."),
+    ] = "D_0",
     iteration: Annotated[int, typer.Option(min=0, help="The iteration that this is for.")] = 0,
     seed: options.Seed = 0,
     workers: options.Workers = None,
@@ -55,7 +46,7 @@ def collect(
         measure=False,
     )
 
-    recipe = Recipe(purpose.value, options.arguments(context))
+    recipe = Recipe(purpose, options.arguments(context))
     typer.echo(
         keep(drives, output, recipe, task, what="collecting", total=episodes, count=lambda drive: 1)
     )

@@ -26,43 +26,38 @@ def compare_policies(
 
     From the same start, among the same cars.
     """
-    from pipeline.inspection.drawn import track_to_draw
+    from pipeline.driving.tracks import make_track
+    from pipeline.inspection.drawn import plan_to_draw, watched
     from pipeline.inspection.footage import Footage
-    from pipeline.inspection.live import watched
     from pipeline.inspection.pairs import Pair
     from pipeline.inspection.rerun_blueprints import pair_blueprint
     from pipeline.inspection.rerun_log import log_pair
     from pipeline.policies.computing import find_device
     from pipeline.policies.inference import Driver
-    from pipeline.rollout.judgement import Judgement, rule_of
-    from pipeline.rollout.plans import SEED_STREAMS, Plan
+    from pipeline.rollout.judgement import Judgement
     from pipeline.rollout.strategies import parse_driving
 
-    track, how, computes = track_to_draw(task), parse_driving(strategy), find_device(device)
-    sides = [
-        (Driver.load(primary, safety, device=computes), Judgement.read(safety, cut))
-        for primary, safety in ((primary_a, safety_a), (primary_b, safety_b))
-    ]
-    fps = task.fps
+    how, computes = parse_driving(strategy), find_device(device)
+    policies = ((primary_a, safety_a), (primary_b, safety_b))
+    judged = [Judgement.read(safety, cut) for _, safety in policies]
+    plans = [plan_to_draw(task, how, judgement, seed) for judgement in judged]
+    drivers = [Driver.load(*pair, device=computes) for pair in policies]
+    fps, plan = task.fps, plans[0]
     with options.rerun_sink(save, web, port, pair_blueprint(fps)) as sink:
-        drives, tallies = [], []
-        with options.progress("driving", len(sides)) as advance_to:
-            for number, (driver, judgement) in enumerate(sides):
+        drives, told = [], []
+        with options.progress("driving", len(plans)) as advance_to:
+            for number, side in enumerate(zip(plans, drivers, judged, strict=True)):
                 frames = []
-                plan = Plan(task, track.name, rule_of(how, judgement), (seed, SEED_STREAMS["film"]))
-                for footage, tally in watched(plan, driver, judgement):
+                for footage, tally in watched(*side):
                     frames.append(footage)
                     advance_to(number + tally.done)
-                drives.append((Footage.joined(frames), judgement))
-                tallies.append(tally)
-        for name, tally in zip(
-            (f"a, {primary_a.name}", f"b, {primary_b.name}"), tallies, strict=True
-        ):
-            typer.echo(f"{name}: {tally}")
+                drives.append((Footage.joined(frames), judged[number]))
+                told.append(f"{'ab'[number]}, {policies[number][0].name}: {tally}")
+        typer.echo("\n".join(told))
         pair = Pair(
             f"{strategy}, {plan.description}, seed {seed}: a is {primary_a.name}, b is {primary_b.name}",
-            f"{track.name}/{strategy}/{seed}/{primary_a.name}/{primary_b.name}",
-            track,
+            f"{plan.scenario}/{strategy}/{seed}/{primary_a.name}/{primary_b.name}",
+            make_track(plan.scenario),
             *drives,
         )
         log_pair(pair, sink.connect, fps=fps)

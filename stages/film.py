@@ -27,32 +27,29 @@ def film(
 
     Ten pictures a second. With --beside, another pair drives from the same start.
     """
-    from pipeline.inspection.drawn import track_to_draw
+    from pipeline.inspection.drawn import plan_to_draw
     from pipeline.inspection.film import beside, gif, shoot
     from pipeline.output import check_place, write_file
     from pipeline.policies.computing import find_device
     from pipeline.policies.inference import Driver
-    from pipeline.rollout.judgement import Judgement, rule_of
-    from pipeline.rollout.plans import SEED_STREAMS, Plan
+    from pipeline.rollout.judgement import Judgement
     from pipeline.rollout.strategies import parse_driving
 
     check_place(output)
     if output.suffix != ".gif":
         raise ValueError(f"{output}: expected a name that ends in .gif")
-    track = track_to_draw(task)
     computes, how = find_device(device), parse_driving(strategy)
-    pairs = [
+    drives = [
         (
             learner.name,
+            plan_to_draw(task, how, Judgement.read(watcher, cut) if watcher else None, seed),
             Driver.load(learner, watcher, device=computes),
-            rule_of(how, Judgement.read(watcher, cut) if watcher else None),
         )
         for learner, watcher in ((primary, safety), *([other] if other else []))
     ]
     films, ends = [], []
-    with options.progress("driving", len(pairs)) as advance_to:
-        for before, (name, driver, rule) in enumerate(pairs):
-            plan = Plan(task, track.name, rule, (seed, SEED_STREAMS["film"]))
+    with options.progress("driving", len(drives)) as advance_to:
+        for before, (name, plan, driver) in enumerate(drives):
             shown = []
             for number, (picture, tally) in enumerate(shoot(plan, driver, name)):
                 if number % show_every == 0:

@@ -7,7 +7,6 @@ from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import MISSING
-from enum import StrEnum
 from itertools import pairwise
 from numbers import Real
 from pathlib import Path
@@ -201,7 +200,7 @@ def arguments(context: typer.Context) -> dict[str, Any]:
     """What a command was given that decides what it makes: no paths, workers or device."""
     return {
         # JSON knows no infinity: no limit at all
-        name: str(value) if isinstance(value, StrEnum) or value == math.inf else value
+        name: str(value) if value == math.inf else value
         for name, value in context.params.items()
         if value is not None
         and not isinstance(value, Path | list | tuple)

@@ -1,22 +1,12 @@
 """Watch a drive while it is driven: any policies, strategy and track."""
 
 from contextlib import suppress
-from enum import StrEnum
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Literal
 
 import typer
 
 from stages import options
-
-
-class Driving(StrEnum):
-    """Who drives."""
-
-    naive = "naive"
-    safe = "safe"
-    optimal = "optimal"
-    reference = "reference"
 
 
 def watch(
@@ -26,7 +16,7 @@ def watch(
     ] = None,
     safety: options.SafetyIfAny = None,
     strategy: Annotated[
-        Driving | None,
+        Literal["naive", "safe", "optimal", "reference"] | None,
         typer.Option(
             help="Who drives; by default safe, without a safety policy naive, without any reference."
         ),
@@ -39,35 +29,31 @@ def watch(
     port: options.Port = 0,
 ) -> None:
     """Drive, and show it in Rerun meanwhile. Ctrl-C ends the drive."""
-    from pipeline.inspection.drawn import Tally, track_to_draw
+    from pipeline.driving.tracks import make_track
+    from pipeline.inspection.drawn import Tally, in_real_time, plan_to_draw, watched
     from pipeline.inspection.footage import Footage
-    from pipeline.inspection.live import in_real_time, watched
     from pipeline.inspection.rerun_blueprints import drive_blueprint, live_blueprint
     from pipeline.inspection.rerun_log import drive_tracer, new_recording
     from pipeline.inspection.rerun_traces import COMPRESSED, RAW
     from pipeline.policies.computing import find_device
     from pipeline.policies.inference import Driver
-    from pipeline.rollout.judgement import Judgement, rule_of
-    from pipeline.rollout.plans import SEED_STREAMS, Plan
+    from pipeline.rollout.judgement import Judgement
     from pipeline.rollout.strategies import Strategy
 
-    track, computes = track_to_draw(task), find_device(device)
-    if strategy is None:
-        strategy = Driving.safe if safety else Driving.naive if primary else Driving.reference
-    if primary is None and strategy is not Driving.reference:
-        raise ValueError(f"strategy is {strategy}, which needs a primary")
-    driver = Driver.load(primary, safety, device=computes) if primary else None
+    computes = find_device(device)
+    how = Strategy(strategy or ("safe" if safety else "naive" if primary else "reference"))
+    if primary is None and how is not Strategy.REFERENCE:
+        raise ValueError(f"strategy is {how}, which needs a primary")
     judgement = Judgement.read(safety, cut) if safety else None
-    plan = Plan(
-        task, track.name, rule_of(Strategy(strategy), judgement), (seed, SEED_STREAMS["film"])
-    )
-    fps, tally = task.fps, Tally()
+    plan = plan_to_draw(task, how, judgement, seed)
+    driver = Driver.load(primary, safety, device=computes) if primary else None
+    fps, tally, track = task.fps, Tally(), make_track(plan.scenario)
     frames = watched(plan, driver, judgement)
     saved: list[Footage] = []  # at once, so that a file has lanes too
     blueprint = drive_blueprint(fps) if save else live_blueprint(fps)
     with options.rerun_sink(save, web, port, blueprint) as sink:
-        name = f"{track.name}/{strategy}/{seed}"
-        title = f"{strategy}, {plan.description}, seed {seed}"
+        name = f"{track.name}/{how}/{seed}"
+        title = f"{how}, {plan.description}, seed {seed}"
         with new_recording(name, title, track, sink.connect) as recording:
             tracer = drive_tracer(
                 recording, fps=fps, judgement=judgement, camera=COMPRESSED if save else RAW

@@ -2,18 +2,22 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from pipeline.driving.environment import DrivingEnv
 from pipeline.driving.task import Driving
-from pipeline.driving.tracks import Track, make_track
 from pipeline.driving.world import World
+from pipeline.inspection.footage import Footage
 from pipeline.policies.inference import Driver
+from pipeline.rollout.judgement import Judgement, rule_of
 from pipeline.rollout.loop import Frame
-from pipeline.rollout.plans import Plan, driven
+from pipeline.rollout.plans import SEED_STREAMS, Plan, driven
+from pipeline.rollout.strategies import Strategy
 from pipeline.task import Task
 
 
@@ -59,12 +63,15 @@ class Tally:
         return so_far if self.ended is None else f"{so_far}; ended: {self.ended}"
 
 
-def track_to_draw(task: Task) -> Track:
-    """The track that a task is driven on; ValueError where there are several, or the task is not the car's."""
+def plan_to_draw(task: Task, strategy: Strategy, judgement: Judgement | None, seed: int) -> Plan:
+    """A drive on the track of a task; ValueError where there are several, the task is not the car's, or
+    as `rule_of`.
+    """
     car = _car(task)
     if len(car.scenarios) > 1:
         raise ValueError(f"tracks is {car.tracks!r}, expected a single one to draw")
-    return make_track(car.scenarios[0])
+    rule = rule_of(strategy, judgement)
+    return Plan(car, car.scenarios[0], rule, (seed, SEED_STREAMS["film"]))
 
 
 def drawn(plan: Plan, driver: Driver | None) -> Iterator[tuple[World, Frame, Tally]]:
@@ -76,6 +83,29 @@ def drawn(plan: Plan, driver: Driver | None) -> Iterator[tuple[World, Frame, Tal
         assert isinstance(env, DrivingEnv)  # what Driving makes
         tally = tally.after(frame, car)
         yield env.world, frame, tally
+
+
+def watched(
+    plan: Plan, driver: Driver | None, judgement: Judgement | None = None
+) -> Iterator[tuple[Footage, Tally]]:
+    """The frames of a drive one by one, each with what the drive has come to at its end. Raises as `drawn`.
+
+    All other cars are known, but in the first frame: where they were when it began, nobody saw.
+    """
+    others: NDArray[np.float64] = np.empty((0, 3))
+    for number, (world, frame, tally) in enumerate(drawn(plan, driver)):
+        end = world.vehicle_state()[:2]
+        yield Footage.of_frame(number, frame, end, others, judgement), tally
+        cars = world.cars
+        others = np.stack([cars.x, cars.y, cars.heading], axis=1)[1:]
+
+
+def in_real_time[Item](items: Iterator[Item], per_second: float) -> Iterator[Item]:
+    """The items no sooner than `per_second` of them are due; later where they are not ready."""
+    start = time.monotonic()
+    for number, item in enumerate(items):
+        time.sleep(max(start + number / per_second - time.monotonic(), 0.0))
+        yield item
 
 
 def _car(task: Task) -> Driving:

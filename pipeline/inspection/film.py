@@ -38,7 +38,8 @@ def shoot(plan: Plan, driver: Driver, name: str) -> Iterator[tuple[NDArray[np.ui
     for world, frame, tally in drawn(plan, driver):
         here = to_pixels(world.cars.x[:1], world.cars.y[:1])
         if trail is not None:
-            _line(ground, np.concatenate([trail, here]), _colour(frame))
+            line = [_fixed(np.concatenate([trail, here]))]
+            cv2.polylines(ground, line, False, _colour(frame), 2, cv2.LINE_AA, SUBPIXELS)
         trail = here
         above = ground.copy()
         _draw_cars(above, world.cars, to_pixels, _colour(frame))
@@ -113,10 +114,6 @@ def _draw_cars(picture: NDArray[np.uint8], cars: Cars, to_pixels: ToPixels, ours
         box = _fixed(corners)
         cv2.fillPoly(picture, [box], TRAFFIC if car else ours, cv2.LINE_AA, SUBPIXELS)
         cv2.polylines(picture, [box], True, OUTLINE, 1, cv2.LINE_AA, SUBPIXELS)
-
-
-def _line(picture: NDArray[np.uint8], points: NDArray[np.float64], colour: tuple) -> None:
-    cv2.polylines(picture, [_fixed(points)], False, colour, 2, cv2.LINE_AA, SUBPIXELS)
 
 
 def _fixed(points: NDArray[np.float64]) -> NDArray[np.int32]:

@@ -71,12 +71,9 @@ class Footage:
     def of_episode(
         cls, episode: Episode, first_frame: int = 0, judgement: Judgement | None = None
     ) -> Self:
-        """What a dataset tells: other cars only where one of the affordances is about them.
-
-        Args:
-            episode: a dataset's, or a part of one; raises as `track_of`.
-            first_frame: the number of its first row.
-            judgement: by which its deviations are looked at; those of the steering without one.
+        """What a dataset tells of an episode, or a part of one whose first row has this number: other
+        cars only where one of the affordances is about them; deviations by the judgement, of the
+        steering without one. Raises as `track_of`.
         """
         rows = episode.columns
         state = rows["vehicle_state"]
@@ -108,14 +105,9 @@ class Footage:
         others: NDArray[np.float64],
         judgement: Judgement | None = None,
     ) -> Self:
-        """One frame just driven, with all that the simulator knows.
-
-        Args:
-            number: of the frame in its drive.
-            frame: what was seen, proposed and decided.
-            end: [2] (m) where our car is now.
-            others: [M, 3] x, y [m] and heading [rad] of the other cars when the frame began.
-            judgement: as for `of_episode`.
+        """One frame just driven, the `number`th of its drive, with all that the simulator knows: our car
+        is now at `end` [2] (m); the `others` were at x, y [m] and heading [rad], [M, 3], when it
+        began. For `judgement` see `of_episode`.
         """
         driven = np.array([frame.intervention])
         pair = frame.primary_action[None], frame.reference_action[None]
@@ -147,16 +139,9 @@ def track_of(task: str) -> Track:
 def cars_in_affordances(
     track: Track, state: NDArray[np.float32], affordances: NDArray[np.float32]
 ) -> list[NDArray[np.float64]]:
-    """The cars ahead in the left, same and right lane: how far along the road is known, and where
-    in its lane a car drives is not: it is taken to be in the middle.
-
-    Args:
-        track: where this was.
-        state: [T, 4] our own, see `Footage.vehicle_state`.
-        affordances: [T, 10].
-
-    Returns:
-        T times [M, 3], see `Footage.others`.
+    """The cars ahead in the left, same and right lane, as `Footage.others`, from our own state [T, 4] and
+    our affordances [T, 10]: how far along the road is known, and where in its lane a car drives is
+    not: it is taken to be in the middle.
     """
     line = track.centreline
     x, y = state[:, :2].astype(np.float64).T

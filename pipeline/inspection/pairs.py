@@ -32,10 +32,8 @@ def pairs(a: Dataset, b: Dataset, number: int = 0) -> list[Pair]:
     """Of two datasets: a pair for every track that both have, in the order of `a`. `number` is which of
     the drives on a track, 0 the first. Where the two began on the track is up to them.
 
-    In memory are the images of one drive on each track of either dataset, 35 kB each.
-
-    Raises:
-        ValueError: other frame rates or another robot's; no such drives on any track.
+    In memory are the images of one drive on each track of either dataset, 35 kB each. ValueError for
+    other frame rates or another robot's, and where there are no such drives on any track.
     """
     for dataset in (a, b):
         dataset.require(FEATURES)

@@ -70,11 +70,9 @@ def drive_tracer(
 ) -> Tracer:
     """What sends all that is shown of a drive; for `recording` and `root` see `Tracer`.
 
-    Args:
-        judgement: its cut is drawn with the safe probability, its tau with the deviation; None
-            where there is no safety policy.
-        colors: of the primary's and of the reference's driving in the top view.
-        camera: one of COMPRESSED and RAW.
+    The judgement's cut is drawn with the safe probability, its tau with the deviation; None where there
+    is no safety policy. In the top view the `colors` are of the primary's and of the reference's driving.
+    `camera` is one of COMPRESSED and RAW.
     """
     traces = [
         camera,

@@ -40,11 +40,8 @@ class Sink:
 
 @contextmanager
 def into_file(path: Path, blueprint: rrb.Blueprint) -> Iterator[Sink]:
-    """One file at `path`, which appears complete or not at all.
-
-    Raises:
-        FileExistsError: there is something at `path`.
-        ValueError: its name does not end in .rrd.
+    """One file at `path`, which appears complete or not at all; ValueError unless its name ends in .rrd,
+    else as `new_directory`.
     """
     if path.suffix != ".rrd":
         raise ValueError(f"{path}: expected a name that ends in .rrd")
@@ -67,14 +64,9 @@ def into_file(path: Path, blueprint: rrb.Blueprint) -> Iterator[Sink]:
 def into_viewer(blueprint: rrb.Blueprint, *, web: bool, port: int = 0) -> Iterator[Sink]:
     """Starts a viewer that only this machine can reach, and in the end waits until it is closed.
 
-    Connecting to a viewer that was closed ends the block.
-
-    Args:
-        web: serve a page to a browser, instead of opening a window.
-        port: of the page; its data has the next one. 0: any two.
-
-    Raises:
-        ValueError: one of the ports is taken; the viewer did not start, or broke down.
+    Connecting to a viewer that was closed ends the block. With `web` it serves a page to a browser,
+    instead of opening a window, at `port`; its data has the next one; 0: any two. ValueError where one
+    of them is taken, and where the viewer did not start, or broke down.
     """
     page, behind = _free_port(port), _free_port(port + 1 if port else 0)
     data = f"rerun+http://{LOOPBACK}:{behind}/proxy"

@@ -54,22 +54,18 @@ def takeovers(
     found: list[Takeover] = []
     for episode in np.unique(episode_index):
         rows = {name: columns[name][episode_index == episode] for name in JUDGED}
-        found += _of_episode(int(episode), rows, fps)
+        taken = rows["intervention"] & ~np.isnan(rows["safe_probability"])
+        found += [
+            Takeover(
+                int(episode),
+                run.start,
+                run.stop,
+                max(run.start - round(BEFORE * fps), 0),
+                min(run.stop + round(AFTER * fps), len(taken)),
+                float(rows["safe_probability"][run].min()),
+                float(rows["deviation"][run].max()),
+                int(rows["queried"][run].sum()),
+            )
+            for run in runs(taken)
+        ]
     return sorted(found, key=lambda takeover: takeover.safe_probability)
-
-
-def _of_episode(episode: int, rows: Mapping[str, NDArray], fps: int) -> list[Takeover]:
-    taken = rows["intervention"] & ~np.isnan(rows["safe_probability"])
-    return [
-        Takeover(
-            episode,
-            run.start,
-            run.stop,
-            max(run.start - round(BEFORE * fps), 0),
-            min(run.stop + round(AFTER * fps), len(taken)),
-            float(rows["safe_probability"][run].min()),
-            float(rows["deviation"][run].max()),
-            int(rows["queried"][run].sum()),
-        )
-        for run in runs(taken)
-    ]

@@ -7,7 +7,7 @@ from matplotlib.figure import Figure
 
 from pipeline.evaluation.drives import among
 from pipeline.evaluation.experiment import HELD_OUT, ROLLOUT, Experiment
-from pipeline.inspection.calibration import draw_calibration
+from pipeline.evaluation.quality import draw_calibration
 from pipeline.inspection.canvas import new_figure, styled
 from pipeline.metric import BINS
 
