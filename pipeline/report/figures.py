@@ -2,7 +2,6 @@
 
 from collections.abc import Sequence
 from dataclasses import replace
-from itertools import product
 
 from matplotlib.figure import Figure
 
@@ -49,15 +48,9 @@ def result(experiment: Experiment) -> Figure | None:
     """What the queries of the training strategies have bought, above all in traffic, and how long the
     reference drives.
     """
-    runs, conditions = experiment.strategies, experiment.conditions
-    naive = [
-        Panel(f"naive, {label(where)}", "laps", _lines(runs, Strategy.NAIVE, where), "queries")
-        for where in reversed(conditions)
-    ]
-    safe = [
-        Panel(f"safe, {label(where)}", "takeover", _lines(runs, Strategy.SAFE, where))
-        for where in conditions
-    ]
+    runs = experiment.strategies
+    naive = _panels(experiment, runs, Strategy.NAIVE, "laps", "queries")[::-1]
+    safe = _panels(experiment, runs, Strategy.SAFE, "takeover")
     panels = [*(replace(panel, is_wide=True) for panel in naive[:1]), *naive[1:], *safe]
     return draw(experiment, panels, columns=3)
 
@@ -65,29 +58,27 @@ def result(experiment: Experiment) -> Figure | None:
 def driving(experiment: Experiment, runs: Sequence[str]) -> Figure | None:
     """As the paper's Fig. 3."""
     panels = [
-        Panel(f"{strategy}, {label(where)}", metric, _lines(runs, strategy, where))
+        panel
         for strategy in (Strategy.NAIVE, Strategy.SAFE)
         for metric, told in shown(METRICS, "figures").items()
         if strategy in told.strategies
-        for where in experiment.conditions
+        for panel in _panels(experiment, runs, strategy, metric)
     ]
     return draw(experiment, panels, columns=3)
 
 
 def takeover(experiment: Experiment, runs: Sequence[str]) -> Figure | None:
     """As the paper's Fig. 4: the share of the time that the reference drives."""
-    panels = [
-        Panel(f"safe, {label(where)}", "takeover", _lines(runs, Strategy.SAFE, where))
-        for where in experiment.conditions
-    ]
+    panels = _panels(experiment, runs, Strategy.SAFE, "takeover")
     return draw(experiment, panels, columns=2)
 
 
 def cost(experiment: Experiment, runs: Sequence[str]) -> Figure | None:
     """What the queries, and the frames trained on, have bought."""
     panels = [
-        Panel(f"naive, {label(where)}", "laps", _lines(runs, Strategy.NAIVE, where), place)
-        for place, where in product(("queries", "frames_trained"), experiment.conditions)
+        panel
+        for place in ("queries", "frames_trained")
+        for panel in _panels(experiment, runs, Strategy.NAIVE, "laps", place)
     ]
     return draw(experiment, panels, columns=2)
 
@@ -114,5 +105,20 @@ def _has_optimal(experiment: Experiment, run: str) -> bool:
     return bool((experiment.among(run=run, strategy=Strategy.OPTIMAL).iteration > 0).any())
 
 
-def _lines(runs: Sequence[str], strategy: Strategy, where: str) -> list[Line]:
-    return [Line(run, strategy, where, key=run) for run in runs]
+def _panels(
+    experiment: Experiment,
+    runs: Sequence[str],
+    strategy: Strategy,
+    metric: str,
+    place: str = "iteration",
+) -> list[Panel]:
+    """In each condition, with a line for each run."""
+    return [
+        Panel(
+            f"{strategy}, {label(where)}",
+            metric,
+            [Line(run, strategy, where, key=run) for run in runs],
+            place,
+        )
+        for where in experiment.conditions
+    ]

@@ -13,10 +13,8 @@ from pipeline.report.tables import NAIVE, OPTIMAL, SAFE
 
 
 def gaps(material: Material, pictures: Mapping[str, Mapping[int, str]]) -> list[str]:
-    """One line for each thing that is missing.
-
-    Args:
-        pictures: those that each seed should have: title to seed to place.
+    """One line for each thing that is missing; `pictures` are those that each seed should have, title to
+    seed to place.
     """
     experiment = material.experiment
     return [
@@ -42,9 +40,7 @@ def gaps(material: Material, pictures: Mapping[str, Mapping[int, str]]) -> list[
 def _without_results(experiment: Experiment, run: str) -> str:
     """A run, and how many claims wait for it."""
     waiting = sum(run in claim.runs for claim in claims(experiment))
-    verdicts = {0: "", 1: ", hence no verdict on 1 claim"}.get(
-        waiting, f", hence no verdict on {waiting} claims"
-    )
+    verdicts = f", hence no verdict on {waiting} claim{'s' * (waiting > 1)}" if waiting else ""
     return f"{experiment.title(run)}: no results{verdicts}."
 
 

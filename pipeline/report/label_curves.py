@@ -1,23 +1,19 @@
 """The picture of the label curves: how reliable each strategy makes the primary, with how many labels."""
 
 import math
-from collections.abc import Sequence
-from typing import Any
 
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from matplotlib.ticker import PercentFormatter
-from matplotlib.transforms import offset_copy
 
 from pipeline.claims.labels import MARGIN
 from pipeline.evaluation.curves import budget, families, last, success
 from pipeline.evaluation.experiment import Experiment, mean
-from pipeline.evaluation.statistics import Estimate
 from pipeline.inspection.canvas import new_figure, styled
 from pipeline.metric import SPENT
-from pipeline.report.looks import label, look, name_ends
+from pipeline.report.looks import draw_estimates, label, look, name_ends
 from pipeline.report.panels import APART
 
 BAND = 0.15
@@ -53,7 +49,9 @@ def _panel(axes: Axes, curves: Experiment, best: str, where: str) -> None:
         if spec.collects:
             points = [(x, one) for x, one in points if x > 0]  # else nobody has counted them yet
             shift = APART * (number - (len(ways) - 1) / 2)
-            _draw(axes, points, shift, name, **look(spec.colour, spec.marker, where))
+            x, drawn = [x for x, _ in points], [one for _, one in points]
+            style = look(spec.colour, spec.marker, where)
+            draw_estimates(axes, x, drawn, name, style, (shift, 0.0))
             ends += [(x, one.value, name, spec.colour) for x, one in points[-1:]]
         else:
             for _, one in points:
@@ -76,21 +74,6 @@ def _panel(axes: Axes, curves: Experiment, best: str, where: str) -> None:
     )
     right = axes.get_xlim()[1]
     name_ends(axes, [(min(x, right), y, name, colour) for x, y, name, colour in ends])
-
-
-def _draw(
-    axes: Axes, points: Sequence[tuple[float, Estimate]], shift: float, name: str, **style: Any
-) -> None:
-    """Dots and intervals, `shift` [points] to the right."""
-    x = [labels for labels, _ in points]
-    line = axes.plot(
-        x, [one.value for _, one in points], label=name, clip_on=False, zorder=3, **style
-    )
-    low, high = ([getattr(one, end) for _, one in points] for end in ("low", "high"))
-    bars = axes.vlines(x, low, high, style["color"], linewidth=0.9, clip_on=False)
-    aside = offset_copy(axes.transData, axes.get_figure(root=True), shift, units="points")
-    for artist in (*line, bars):  # only now: the limits of the axes are those of the data
-        artist.set_transform(aside)
 
 
 def _labels(curves: Experiment, run: str) -> float:

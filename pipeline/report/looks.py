@@ -1,12 +1,15 @@
 """How the lines of a figure look, and the legend that says so."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
+import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
+from matplotlib.transforms import offset_copy
 
 from pipeline.evaluation.experiment import Experiment
+from pipeline.evaluation.statistics import Estimate
 from pipeline.rollout.strategies import Strategy
 
 OF_STRATEGIES = {
@@ -40,11 +43,32 @@ def of_key(experiment: Experiment, key: str) -> tuple[str, str, str]:
     return run.name, run.colour, run.marker
 
 
-def name_ends(axes: Axes, ends: Sequence[tuple[float, float, str, str]]) -> None:
-    """Write the names of lines beside the panel, apart where their ends coincide.
+def draw_estimates(
+    axes: Axes,
+    x: Sequence[float],
+    found: Sequence[Estimate | None],
+    name: str,
+    style: Mapping[str, Any],
+    aside: tuple[float, float],
+    line_aside: tuple[float, float] | None = None,
+) -> None:
+    """Intervals, and a line through their values, gaps where there are none: moved `aside` [points], the
+    line otherwise if so told.
+    """
+    value, low, high = (
+        [getattr(one, end) if one else np.nan for one in found] for end in ("value", "low", "high")
+    )
+    (line,) = axes.plot(x, value, label=name, clip_on=False, zorder=3, **style)
+    bars = axes.vlines(x, low, high, style["color"], linewidth=0.9, clip_on=False)
+    # only now: the limits of the axes are those of the data
+    for artist, moved in ((bars, aside), (line, line_aside or aside)):
+        figure = axes.get_figure(root=True)
+        artist.set_transform(offset_copy(axes.transData, figure, *moved, units="points"))
 
-    Args:
-        ends: where a line ends, its name and its colour.
+
+def name_ends(axes: Axes, ends: Sequence[tuple[float, float, str, str]]) -> None:
+    """Write the names of lines beside the panel, apart where their ends coincide; `ends` are where a
+    line ends, its name and its colour.
     """
     low, high = axes.get_ylim()
     ordered = sorted(ends, key=lambda end: (end[1], end[0]))

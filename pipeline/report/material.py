@@ -38,11 +38,8 @@ class Material:
 
 
 def read_material(metrics: Path, curves: Path | None = None) -> Material:
-    """Read every seed_<n> in `metrics`, and in `curves`, if that is given; it may have none.
-
-    Raises:
-        ValueError: there is none, or a file does not hold what it should.
-        FileNotFoundError: a companion of a file of drives is missing.
+    """Read every seed_<n> in `metrics`, and in `curves`, if that is given; it may have none. Raises as
+    `read_experiment`.
     """
     experiment = read_experiment(metrics)
     return Material(

@@ -11,7 +11,6 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import PercentFormatter
-from matplotlib.transforms import offset_copy
 
 from pipeline.driving.metrics import METRICS
 from pipeline.evaluation.comparison import Cell, estimate
@@ -21,7 +20,7 @@ from pipeline.evaluation.statistics import Estimate
 from pipeline.evaluation.wording import written
 from pipeline.inspection.canvas import new_figure, styled
 from pipeline.metric import SPENT
-from pipeline.report.looks import legend, look, name_ends, of_key
+from pipeline.report.looks import draw_estimates, legend, look, name_ends, of_key
 from pipeline.rollout.strategies import Strategy
 
 # So that equal points stay visible, [points]: over the iterations, lines stand apart in x. Where x
@@ -143,21 +142,12 @@ def _draw(
 ) -> None:
     """Values and intervals, by `shift` [points] apart; a gap where there are none."""
     is_cost = panel.place != "iteration"
-    value, low, high = (
-        [getattr(one, end) if one else np.nan for one in found] for end in ("value", "low", "high")
-    )
     rows = among(experiment.spent, run=line.run).groupby("iteration", as_index=False)
     x = rows[panel.place].mean()[panel.place] if is_cost else experiment.iterations(line.run)
     name, colour, marker = of_key(experiment, line.key)
     style = look(colour, marker, line.condition)
-    curve = axes.plot(x, value, label=name, clip_on=False, zorder=3, **style)
-    bars = axes.vlines(x, low, high, style["color"], linewidth=0.9, clip_on=False)
-    # only now: the limits of the axes are those of the data
-    figure = axes.get_figure(root=True)
-    aside = offset_copy(axes.transData, figure, shift, units="points")
-    above = offset_copy(axes.transData, figure, 0, -LESS * shift, units="points")
-    bars.set_transform(aside)
-    curve[0].set_transform(above if is_cost else aside)
+    line_aside = (0.0, -LESS * shift) if is_cost else None
+    draw_estimates(axes, x, found, name, style, (shift, 0.0), line_aside)
 
 
 def _end(line: Line2D, panel: Panel, most: float) -> tuple[float, float, str, str]:

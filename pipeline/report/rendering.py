@@ -15,16 +15,15 @@ from pipeline.driving.features import STANDSTILL
 from pipeline.driving.metrics import METRICS
 from pipeline.evaluation.curves import yardstick
 from pipeline.evaluation.drives import among
-from pipeline.evaluation.experiment import D_SAFE
+from pipeline.evaluation.experiment import D_SAFE, Experiment
 from pipeline.evaluation.templates import template
-from pipeline.evaluation.wording import seeds_in_words
+from pipeline.evaluation.wording import count, seeds_in_words, share
 from pipeline.metric import shown
 from pipeline.report import labels, tables
 from pipeline.report.gaps import gaps
 from pipeline.report.headline import headline, standing
 from pipeline.report.limits import limits
 from pipeline.report.material import Material
-from pipeline.report.runs import runs
 from pipeline.report.scratch import warm_or_scratch
 from pipeline.report.shortfalls import falls_short
 
@@ -81,6 +80,14 @@ def render_report(material: Material, pictures: Pictures) -> str:
     )
 
 
+def runs(experiment: Experiment) -> str:
+    """A line for each run that there is."""
+    return "\n".join(
+        f"- {experiment.title(run)}: {experiment.specs[run].words}{_loop(experiment, run)}"
+        for run in experiment.runs
+    )
+
+
 def _cost(material: Material) -> dict[str, Any]:
     """Queries of the loop and outside it, and, apart, what was asked only to measure."""
     experiment = material.experiment
@@ -111,3 +118,27 @@ def _basis(material: Material) -> dict[str, Any]:
         "cars": [f"{number:g}" for number in sorted(set(drives.traffic[drives.traffic > 0]))],
         "drives": len(drives),
     }
+
+
+def _loop(experiment: Experiment, run: str) -> str:
+    """What was driven and added after iteration 0, means over the seeds; nothing without a loop."""
+    last = experiment.iterations(run)[-1]
+    if not last:
+        return ""
+    spent = among(experiment.spent, run=run, iteration=last)
+    return (
+        f" Loop: {count(spent.frames_driven.mean())} frames driven, "
+        f"{share(spent.takeover.mean())} of them by the reference; "
+        f"{count(spent.frames_selected.mean())} added{_taus(experiment, run)}."
+    )
+
+
+def _taus(experiment: Experiment, run: str) -> str:
+    """Of the safety policies, where these decide in rollouts: one, or that of each iteration."""
+    if not experiment.specs[run].is_watched:
+        return ""
+    first = among(experiment.quality, run=run).groupby("iteration").tau.first()
+    taus = [f"{tau:g}" for tau in first]
+    if len(set(taus)) == 1:
+        return f"; tau {taus[0]}"
+    return f"; tau {', '.join(taus)} after iterations {', '.join(map(str, first.index))}"

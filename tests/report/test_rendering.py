@@ -3,8 +3,9 @@
 from dataclasses import replace
 
 from pipeline.claims.verdicts import verdicts
-from pipeline.evaluation.experiment import Experiment, Tables
+from pipeline.evaluation.experiment import HELD_OUT, Experiment, Tables
 from pipeline.evaluation.reading import SCRATCH, WARM
+from pipeline.report.rendering import runs
 from tests.evaluation.made_up import (
     FULL,
     GOOD,
@@ -13,6 +14,8 @@ from tests.evaluation.made_up import (
     SPECS,
     ending,
     experiment,
+    judged,
+    reckoned,
     scattered,
     undriven,
     with_optimal,
@@ -34,9 +37,9 @@ def named(made_up: Experiment, run: str) -> Tables:
 def test_every_verdict_stands_with_its_numbers() -> None:
     made_up = experiment({**GOOD, "supervised": GROWING})
     text = section(report(made_up), "Claims of the paper")
-    judged = verdicts(made_up)
-    assert {each.verdict for each in judged} > {"holds"}
-    for number, each in enumerate(judged, 1):
+    found = verdicts(made_up)
+    assert {each.verdict for each in found} > {"holds"}
+    for number, each in enumerate(found, 1):
         words = each.verdict if each.verdict == "holds" else f"**{each.verdict}**"
         assert f"| {number}. {each.claim} | {words} | {each.observed} |" in text
         assert f"\n{number}. {each.evidence}\n" in text
@@ -167,3 +170,38 @@ def test_equal_experiments_give_equal_bytes() -> None:
 def test_every_run_has_its_name() -> None:
     text = report(experiment(GOOD))
     assert all(f"| {name} |" in text for name in (run.name for run in SPECS.values()))
+
+
+def test_every_run_that_there_is_has_its_line() -> None:
+    lines = runs(experiment({run: GOOD[run] for run in ("dagger", "safedagger_max")})).splitlines()
+    assert [line.split(" Loop")[0] for line in lines] == [
+        f"- {SPECS[run].name}: {SPECS[run].words}" for run in ("dagger", "safedagger_max")
+    ]
+
+
+def test_the_loop_is_that_of_the_ledgers() -> None:
+    """Without D_0; the mean over the seeds, and the share of all frames."""
+
+    changes = {
+        "frames_driven": lambda of: 1000 * of.iteration,
+        "takeover": lambda of: 0.3 * (of.iteration == 3),
+        "frames_selected": lambda of: 100 + 10 * of.seed,
+    }
+    made_up = experiment({"dagger": GOOD["dagger"]}, seeds=2)
+    assert runs(reckoned(made_up, changes, run="dagger")).endswith(
+        "Loop: 6,000 frames driven, 15.0 % of them by the reference; 315 added."
+    )
+
+
+def test_tau_is_that_of_the_iterations() -> None:
+    made_up = experiment({run: GOOD[run] for run in ("safedagger", "safedagger_rising", "dagger")})
+    fixed, dagger, _ = runs(made_up).splitlines()
+    assert "; tau" not in dagger
+    assert fixed.endswith("; tau 0.0025.")
+    assert runs(judged(made_up, HELD_OUT, {"tau": lambda of: 0.01 * 2**of.iteration})).endswith(
+        "; tau 0.01, 0.02, 0.04, 0.08 after iterations 0, 1, 2, 3."
+    )
+
+
+def test_without_a_loop_there_is_nothing_to_say_of_it() -> None:
+    assert "Loop" not in runs(without(experiment(GOOD), iteration=[1, 2, 3]))
