@@ -47,12 +47,11 @@ def write_blocks(
     seen: Mapping[str, Statistics | None],
     placed: Mapping[str, NDArray],
 ) -> None:
-    """Write all of a dataset but safedagger.json: its data files, a block each, and meta/.
+    """Write all of a dataset of `features` but safedagger.json into the new directory `root`: its data
+    files, a block each, and meta/.
 
     Args:
-        root: a new directory; its parent is there.
         blocks: consumed one at a time; there may be none.
-        features: the columns of the dataset.
         like: a meta/info.json, to be like that in all that is not counted here.
         seen: by camera what is known of the pictures of the episodes, if anything.
         placed: columns of meta/episodes beyond those of the data files: where the videos are.

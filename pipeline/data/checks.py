@@ -17,11 +17,8 @@ NEEDED = ("codebase_version", "robot_type", "fps", "features", "total_frames", "
 
 
 def read_info(path: Path) -> dict[str, Any]:
-    """meta/info.json of the dataset in `path`.
-
-    Raises:
-        FileNotFoundError: there is nothing at `path`.
-        ValueError: it is no LeRobot dataset, or of another format.
+    """meta/info.json of the dataset in `path`; FileNotFoundError where there is nothing, ValueError where
+    it is no LeRobot dataset, or of another format.
     """
     if not path.exists():
         raise FileNotFoundError(f"{path}: there is no such dataset")
@@ -45,10 +42,8 @@ def read_info(path: Path) -> dict[str, Any]:
 
 
 def check_complete(path: Path, info: dict[str, Any]) -> None:
-    """LeRobot writes info.json first and the parquet footers last: whatever disagrees was cut.
-
-    Raises:
-        ValueError: names the part that is missing or disagrees.
+    """LeRobot writes info.json first and the parquet footers last: whatever disagrees was cut, and a
+    ValueError names it.
     """
     files = {"data": data_files(path), "meta/episodes": episode_files(path)}
     for folder, expected in (("data", "total_frames"), ("meta/episodes", "total_episodes")):
@@ -73,11 +68,8 @@ def check_complete(path: Path, info: dict[str, Any]) -> None:
 
 
 def check_episodes(path: Path) -> tuple[NDArray[np.int64], list[str]]:
-    """The length [E] and the task of each episode, after a check that the rows agree.
-
-    Raises:
-        ValueError: meta/episodes says other bounds, lengths or files than the rows, or the rows are
-            not numbered one by one.
+    """The length [E] and the task of each episode; ValueError where meta/episodes says other bounds,
+    lengths or files than the rows, or these are not numbered one by one.
     """
     rows = {
         name: values[:, 0] for name, values in numbers(data_files(path), LEROBOT_COLUMNS).items()

@@ -57,11 +57,9 @@ class Dataset:
 
     @classmethod
     def open(cls, path: Path) -> Self:
-        """Check that `path` is a complete LeRobot v3.0 dataset, whoever wrote it.
-
-        Raises:
-            FileNotFoundError: there is nothing at `path`.
-            ValueError: it is no dataset, half-written, of another format, or its parts disagree.
+        """Check that `path` is a complete LeRobot v3.0 dataset, whoever wrote it. FileNotFoundError where
+        there is nothing; ValueError where it is no dataset, half-written, of another format, or its
+        parts disagree.
         """
         info = read_info(path)
         features: dict[str, Feature] = {
@@ -162,10 +160,8 @@ class Dataset:
         return list(zip(*(rows[name] for name in columns), strict=True))
 
     def require(self, wanted: Mapping[str, Feature]) -> None:
-        """Check that it has the columns `wanted`, of the same dtype, shape and names.
-
-        Raises:
-            ValueError: names the first that it has not, and both sides.
+        """Check that it has the columns `wanted`, of the same dtype, shape and names: a ValueError names
+        the first that it has not, and both sides.
         """
         try:
             check_features(self.features, wanted)
@@ -177,10 +173,8 @@ class Dataset:
 
         Of a core column that the dataset lacks: where nobody wrote down what was `queried`, it is
         what the reference drove (`intervention`), or all where nobody wrote down that either, see
-        `is_demonstrated`; `source.*` is the row's place here; else see `missing_value`.
-
-        Raises:
-            ValueError: there is no such column.
+        `is_demonstrated`; `source.*` is the row's place here; else see `missing_value`. ValueError
+        where there is no such column.
         """
         names = list(names)
         for name in names:

@@ -26,11 +26,8 @@ KEPT = 2 * 2**30
 
 class StoredImages:
     """Stands for an array of images uint8 [N, H, W, C] (RGB) that may not fit into memory: it is
-    asked for rows as an array is, and decodes them then. The first, as many as fit into `KEPT`, are
-    decoded once.
-
-    Raises:
-        ValueError: when it is asked for an image that is none of its shape.
+    asked for rows as an array is, and decodes them then: ValueError for an image that is none of its
+    shape. The first, as many as fit into `KEPT`, are decoded once.
     """
 
     dtype = np.dtype(np.uint8)
@@ -73,9 +70,7 @@ def read_images(
 ) -> Images | StoredImages:
     """Images of a camera, uint8 [N, H, W, C] (RGB); those that are no videos are decoded when they
     are asked for. Of all rows, or from each (start, stop) of `rows`, as `Dataset.tables` takes them.
-
-    Raises:
-        ValueError: there is no such camera.
+    ValueError where there is no such camera.
     """
     shape = _shape(dataset, camera)
     rows = dataset.bounds if rows is None else rows
@@ -94,10 +89,7 @@ def read_all(
     dataset: Dataset, names: Iterable[str], rows: Sequence[tuple[int, int]] | None = None
 ) -> dict[str, Any]:
     """Some columns, pictures among them: arrays [N, *shape] by name, or `StoredImages`; of all rows,
-    or as `read_images`.
-
-    Raises:
-        ValueError: there is no such column.
+    or as `read_images`. ValueError where there is no such column.
     """
     names = list(names)
     numbers = dataset.columns(name for name in names if name not in dataset.cameras)
@@ -109,10 +101,8 @@ def read_all(
 
 
 def read_some_images(dataset: Dataset, camera: str, rows: Sequence[int]) -> list[Images]:
-    """The images uint8 [H, W, C] (RGB) of a camera in `rows`, which rise; no others are read.
-
-    Raises:
-        ValueError: as `read_images`.
+    """The images uint8 [H, W, C] (RGB) of a camera in `rows`, which rise; no others are read. ValueError
+    where there is no such camera.
     """
     return [part[0] for part in read_pictures(dataset, camera, [(row, row + 1) for row in rows])]
 
@@ -124,9 +114,6 @@ def read_episodes(
     others are read.
 
     Core columns that the dataset lacks are derived, as `Dataset.columns` does.
-
-    Raises:
-        ValueError: as `read_images`.
     """
     chosen = range(len(dataset.lengths)) if only is None else sorted(only)
     bounds = [dataset.bounds[episode] for episode in chosen]

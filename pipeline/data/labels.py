@@ -8,14 +8,9 @@ from pipeline.data.pieces import chosen
 
 
 def labelled(dataset: Dataset) -> tuple[list[tuple[int, int]], NDArray[np.int64]]:
-    """The rows that were `queried`: all that anything is learned from. N is their number.
-
-    Returns:
-        Of each run of neighbours among them, in one episode, the first row and the one after its last.
-        [N], which run each is in: so what lies around them, or between, makes no difference.
-
-    Raises:
-        ValueError: there are none.
+    """The N rows that were `queried`, all that anything is learned from: of each run of neighbours among
+    them, in one episode, the first row and the one after its last; and, [N], which run each is in, so
+    that what lies around them, or between, makes no difference. ValueError where there are none.
     """
     runs = [(piece.start, piece.stop) for piece in chosen(dataset, dataset.column("queried"))]
     if not runs:

@@ -20,24 +20,15 @@ from pipeline.task import load_task
 
 
 def count(raw: Dataset, aggregate: Dataset) -> dict[str, int | float | None]:
-    """Count one iteration.
+    """Count one iteration: every frame driven in it, before selection, and D_i, which it trains on. In
+    iteration 0 both are the same, the reference's own driving, which the paper leaves out of the loop's
+    queries.
 
-    Args:
-        raw: every frame driven in the iteration, before selection. In iteration 0 that is the
-            aggregate itself: the reference's own driving. The paper leaves that out of the loop's
-            queries.
-        aggregate: D_i, what the iteration trains on.
-
-    Returns:
-        "frames_driven".
-        "queries": frames for which the reference was asked for an action to drive or to train with.
-        "frames_selected": frames driven whose labels the aggregate has taken in.
-        "frames_trained": labelled frames of the aggregate: context around them is not trained on.
+    Beside what `collected` counts, and raises, "frames_driven";
+        "queries": frames for which the reference was asked for an action to drive or to train with;
+        "frames_selected": frames driven whose labels the aggregate has taken in;
+        "frames_trained": labelled frames of the aggregate: context around them is not trained on;
         "takeover": share of the driven frames in which the reference drove, [0, 1].
-        And what `collected` counts.
-
-    Raises:
-        ValueError: nobody knows the task that was driven.
     """
     driven = raw.columns(["intervention", "queried"])
     trained = list(compress(identities(aggregate), aggregate.column("queried")))
@@ -53,10 +44,8 @@ def count(raw: Dataset, aggregate: Dataset) -> dict[str, int | float | None]:
 
 
 def collected(raw: Dataset) -> dict[str, int | None]:
-    """What the drives of a dataset took, and what became of them.
-
-    Args:
-        raw: every frame driven, an episode a drive.
+    """What the drives of a dataset, an episode each, took, and what became of them. ValueError where
+    nobody knows the task that was driven.
 
     Returns:
         "calls": how often the reference was called to drive, for "frames_of_calls" in all.
@@ -66,9 +55,6 @@ def collected(raw: Dataset) -> dict[str, int | None]:
         "put_back": drives after which somebody had to put the robot back.
         "failures": of all kinds that the task names, and of each "failures.<name>".
         None where a dataset does not tell how its drives ended, or its task what a failure is.
-
-    Raises:
-        ValueError: nobody knows the task that was driven.
     """
     columns = raw.columns(["intervention", "asked_because"])
     drove = columns["intervention"][:, 0]

@@ -55,10 +55,8 @@ class Lineage:
 
     @classmethod
     def read(cls, folder: Path) -> Self | None:
-        """Of what is in `folder`; None where nothing tells.
-
-        Raises:
-            ValueError: the file that should is not one of ours.
+        """Of what is in `folder`; None where nothing tells, ValueError where the file that should is not
+        one of ours.
         """
         file = folder / FILE
         if not file.is_file():

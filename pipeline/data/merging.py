@@ -15,16 +15,11 @@ from pipeline.output import new_directory
 
 
 def merge(datasets: Sequence[Dataset], output: Path) -> Summary:
-    """Write the episodes of `datasets`, in that order, as the dataset `output`.
+    """Write the episodes of two or more datasets, in that order, as the dataset `output`.
 
-    Args:
-        datasets: two or more of the same robot and frame rate, no frame in two of them. Core
-            columns and signals that one lacks are filled, see `filled`; all others must be the same.
-        output: must not exist.
-
-    Raises:
-        FileExistsError: `output` exists.
-        ValueError: they are fewer, do not fit, or share a frame.
+    Core columns and signals that one lacks are filled, see `filled`; all others must be the same.
+    FileExistsError where `output` exists; ValueError where they are fewer, of different robots, frame
+    rates or columns, or share a frame.
     """
     if len(datasets) < 2:
         raise ValueError(f"there are {len(datasets)} datasets to merge, expected at least two")

@@ -107,10 +107,7 @@ def column_dtype(feature: Feature) -> np.dtype:
 
 def check_features(features: Mapping[str, Feature], wanted: Mapping[str, Feature]) -> None:
     """Check that all of the columns `wanted` are among `features`, of the same dtype, shape and names;
-    where `wanted` has no names, any will do.
-
-    Raises:
-        ValueError: names the first that is not, and both sides.
+    where `wanted` has no names, any will do. A ValueError names the first that is not, and both sides.
     """
     for name, feature in wanted.items():
         if name not in features:
@@ -129,10 +126,8 @@ def _describe(feature: Feature) -> str:
 
 @dataclass(frozen=True, eq=False)
 class Episode:
-    """Contiguous recorded frames of one drive.
-
-    Raises:
-        ValueError: a column is missing, unknown, or of another dtype, shape or length; no rows.
+    """Contiguous recorded frames of one drive, at least one; ValueError where a column is missing, unknown,
+    or of another dtype, shape or length.
     """
 
     task: str

@@ -32,16 +32,11 @@ def select(
     Where nobody wrote down what was `queried`, it is what the reference drove: `intervention`; and
     where nobody wrote down why, it drove.
 
-    Args:
-        dataset: as it was driven.
-        output: must not exist.
-        before: >= 0 [s], and
-        after: how much of an episode is kept around each as context. It stays what it was: not
-            `queried`, and `action` is the primary's own. What was asked for another reason is none.
+    So much [s] of an episode `before` and `after` each is kept as context. It stays what it was: not
+    `queried`, and `action` is the primary's own. What was asked for another reason is none.
 
-    Raises:
-        FileExistsError: `output` exists.
-        ValueError: the dataset tells neither; a time is below 0 or without end.
+    FileExistsError where `output` exists; ValueError where the dataset tells neither, or a time is below
+    0 or without end.
     """
     context = {"before": before, "after": after}
     for name, seconds in context.items():
@@ -73,11 +68,8 @@ def _around(
 
 
 def sample(dataset: Dataset, output: Path, frames: int, seed: int) -> Summary:
-    """Write a uniform sample of `frames` rows, without replacement, as the dataset `output`.
-
-    Raises:
-        FileExistsError: `output` exists.
-        ValueError: `frames` is not from 1 to the rows of the dataset.
+    """Write a uniform sample of `frames` rows, without replacement, as the dataset `output`; ValueError
+    unless `frames` is from 1 to the rows of the dataset, FileExistsError where `output` exists.
     """
     if not 1 <= frames <= len(dataset):
         raise ValueError(f"frames is {frames}, expected 1 to the {len(dataset)} of {dataset.path}")
@@ -89,11 +81,8 @@ def sample(dataset: Dataset, output: Path, frames: int, seed: int) -> Summary:
 def split(
     dataset: Dataset, output: Path, aside: Path, share: float, seed: int
 ) -> tuple[Summary, Summary]:
-    """Write a random `share` of the episodes as the dataset `aside`, the others as `output`.
-
-    Raises:
-        FileExistsError: one of the two exists.
-        ValueError: the share leaves no episodes on either side.
+    """Write a random `share` of the episodes as the dataset `aside`, the others as `output`; ValueError
+    where no episodes are left on either side, FileExistsError where one of the two exists.
     """
     episodes = len(dataset.lengths)
     count = round(share * episodes)

@@ -53,18 +53,11 @@ class Summary:
 def write_dataset(
     path: Path, episodes: Iterable[Episode], recipe: Recipe, *, fps: int, robot: str
 ) -> Summary:
-    """Write `episodes` as a LeRobot dataset, and beside it how their drives ended.
+    """Write `episodes` of the same features, consumed one at a time, as a LeRobot dataset of a
+    `robot_type`, and beside it how their drives ended.
 
-    Args:
-        path: must not exist.
-        episodes: of the same features; consumed one at a time.
-        recipe: what the dataset is and comes from.
-        fps: frames per second.
-        robot: LeRobot's `robot_type`.
-
-    Raises:
-        FileExistsError: `path` exists; before the first episode is asked for.
-        ValueError: there are no episodes.
+    FileExistsError where `path` exists, before the first episode is asked for; ValueError where there
+    are no episodes.
     """
     with new_directory(path) as root:
         spool = root.parent / ".rows"

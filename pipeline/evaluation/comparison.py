@@ -61,10 +61,8 @@ class Contrast:
 
 @lru_cache(KEPT)
 def estimate(experiment: Tables, metric: str, cell: Cell) -> Estimate | None:
-    """One of METRICS in a cell; None where there are no such drives or it is not defined.
-
-    Raises:
-        ValueError: two drives of one situation.
+    """One of METRICS in a cell; None where there are no such drives or it is not defined. ValueError for
+    two drives of one situation.
     """
     found = _columns(experiment, METRICS[metric], cell)
     if found.empty:
@@ -80,10 +78,7 @@ def estimate(experiment: Tables, metric: str, cell: Cell) -> Estimate | None:
 @lru_cache(KEPT)
 def contrast(experiment: Tables, metric: str, cell: Cell, baseline: Cell) -> Contrast | None:
     """One of METRICS in a cell against another; None where they share no situation or it is not
-    defined.
-
-    Raises:
-        ValueError: two drives of one situation.
+    defined. ValueError for two drives of one situation.
     """
     statistic = STATISTICS[METRICS[metric].statistic]
     first, second = (_columns(experiment, METRICS[metric], each) for each in (cell, baseline))

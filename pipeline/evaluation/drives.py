@@ -45,11 +45,8 @@ def write_drives(path: Path, drives: pd.DataFrame) -> None:
 
 
 def read_drives(path: Path) -> pd.DataFrame:
-    """Read what `write_drives` wrote.
-
-    Raises:
-        FileNotFoundError: no such file.
-        ValueError: not such a file; names the line.
+    """Read what `write_drives` wrote; FileNotFoundError where there is no file, and a ValueError that
+    names the line where it is not such a file.
     """
     if not path.is_file():
         raise FileNotFoundError(f"{path}: no such file, expected a CSV of evaluated drives")

@@ -19,11 +19,7 @@ LOOKS = (("#0b4f8a", "-", 1.8), ("#d55e00", "--", 1.8))
 
 
 def error_summary(deviation: NDArray[np.floating], tau: float) -> dict[str, float]:
-    """Of deviations [N], for `dvc metrics`.
-
-    Raises:
-        ValueError: no frames.
-    """
+    """Of deviations [N], for `dvc metrics`; ValueError where there are no frames."""
     if len(deviation) == 0:
         raise ValueError("there are no frames, expected at least one")
     return {
@@ -37,15 +33,8 @@ def error_summary(deviation: NDArray[np.floating], tau: float) -> dict[str, floa
 def error_histogram(
     deviations: Mapping[str, NDArray[np.floating]], tau: float, measure: str
 ) -> Figure:
-    """Histograms of log10 of the deviations [N] of up to two named sets of frames, and tau.
-
-    Args:
-        deviations: by the name of the set.
-        tau: a threshold on them.
-        measure: what they are by, see `registry.MEASURES`.
-
-    Raises:
-        ValueError: no set, too many, or one without frames.
+    """Histograms of log10 of the deviations [N], by a measure of `registry.MEASURES`, of one or two
+    named sets of frames, and tau. ValueError for no set, too many, or one without frames.
     """
     if not 1 <= len(deviations) <= len(LOOKS):
         raise ValueError(f"there are {len(deviations)} sets, expected 1 to {len(LOOKS)}")

@@ -74,11 +74,8 @@ class Rows[Row: BaseModel](BaseModel):
 
 
 def read_json[Kind](path: Path, kind: type[Kind]) -> Kind:
-    """What is in a file, as `kind` has it; what that does not know is left alone.
-
-    Raises:
-        FileNotFoundError: there is none.
-        ValueError: it is not such a file.
+    """What is in a file, as `kind` has it; what that does not know is left alone. FileNotFoundError where
+    there is none, ValueError where it is not such a file.
     """
     if not path.is_file():
         raise FileNotFoundError(f"{path}: no such file, expected JSON")

@@ -12,7 +12,7 @@ import pandas as pd
 from pydantic import BaseModel
 
 from pipeline.evaluation.drives import read_drives
-from pipeline.evaluation.experiment import D_SAFE, HELD_OUT, ROLLOUT, Experiment, Tables
+from pipeline.evaluation.experiment import D_SAFE, HELD_OUT, ROLLOUT, STEP, Experiment, Tables
 from pipeline.evaluation.files import ErrorShares, Ledger, Quality, Rows, Setting, read_json
 from pipeline.runs import BESIDE, FIRST, Comparison, Run
 
@@ -36,10 +36,9 @@ def read_experiment(metrics: Path) -> Experiment:
     belong together is left out: on a seed, runs that began with another primary than SafeDAgger's;
     and on all but the first seed that has a run, what was told to do something else.
 
-    Raises:
-        ValueError: there is none, a file does not hold what it should, or there are drives of a run
-            that nobody knows.
-        FileNotFoundError: a companion of a file of drives is missing, or an iteration before it.
+    ValueError where there is none, a file does not hold what it should, or there are drives of a run that
+    nobody knows; FileNotFoundError where a companion of a file of drives, or an iteration before it, is
+    missing.
     """
     if not _seeds(metrics):
         raise ValueError(f"{metrics}: no seed_<n>/drives_<run>_<i>.csv, expected some")
@@ -54,11 +53,8 @@ def read_curves(curves: Path) -> Experiment:
     """Read how reliable the primaries are, and what they cost: seed_<n>/reliability_<run>_<i>.csv, ...
 
     Drives are naive. Of a seed that is only partly done there is what is there; what its ledgers do
-    not tell is NaN. Empty where there are none. Left out is the same as in `read_experiment`.
-
-    Raises:
-        ValueError: a file does not hold what it should, or there are drives of a run that nobody
-            knows.
+    not tell is NaN. Empty where there are none. Left out is the same as in `read_experiment`. ValueError
+    where a file does not hold what it should, or there are drives of a run that nobody knows.
     """
     return _read(curves, _RELIABILITY, _relied_on, _ledger_if_any)
 
@@ -67,11 +63,8 @@ def read_thresholds(metrics: Path) -> Tables:
     """The supervised primary with safety policies of several tau, each a run that is called as it.
 
     Reads seed_<n>/drives_tau_<digits>.csv and its companions, and iteration 0's own beside them.
-    Empty where there are none.
-
-    Raises:
-        ValueError: a file does not hold what it should; two of a seed have the same tau.
-        FileNotFoundError: a companion of a file of drives is missing.
+    Empty where there are none. ValueError where a file does not hold what it should, or two of a seed
+    have the same tau; FileNotFoundError where a companion of a file of drives is missing.
     """
     parts = []
     for seed, folder in _seeds(metrics).items():
@@ -98,34 +91,21 @@ def read_scratch(metrics: Path, experiment: Experiment) -> Tables:
     """The drives of two runs, WARM and SCRATCH: the iterations that a seed has both ways.
 
     Reads seed_<n>/drives_scratch_<i>.csv. Without a warm counterpart, that began with the same
-    primary, there is nothing to compare it with.
-
-    Raises:
-        ValueError: a file does not hold what it should.
+    primary, there is nothing to compare it with. ValueError where a file does not hold what it should.
     """
     parts = []
     for seed, folder in _seeds(metrics).items():
         for name, run, iteration in _names(folder):
             warm = experiment.among(seed=seed, run=experiment.ours, iteration=iteration)
             if run == SCRATCH and len(warm):
-                at: dict[str, Any] = {
-                    "seed": seed,
-                    "run": SCRATCH,
-                    "iteration": iteration,
-                    "step": name,
-                }
-                scratch = read_driven(folder, name).assign(**at)
+                scratch = read_driven(folder, name).assign(**_at(seed, SCRATCH, iteration, name))
                 if set(warm.begun_with) == set(scratch.begun_with):
                     parts += [Tables(drives=warm.assign(run=WARM)), Tables(drives=scratch)]
     return Tables.joined(parts)
 
 
 def read_errors(metrics: Path) -> dict[int, ErrorShares]:
-    """By seed; one may have none.
-
-    Raises:
-        ValueError: a file does not hold what it should.
-    """
+    """By seed; one may have none. ValueError where a file does not hold what it should."""
     files = {seed: folder / "errors.json" for seed, folder in _seeds(metrics).items()}
     return {seed: read_json(file, ErrorShares) for seed, file in files.items() if file.is_file()}
 
@@ -152,7 +132,7 @@ def _read(
                 left_out.append(
                     f"{specs[run].name}, seed {seed}: told something else than elsewhere."
                 )
-        at = {"seed": seed, "run": D_SAFE, "iteration": 0, "step": D_SAFE}
+        at = _at(seed, D_SAFE, 0, D_SAFE)
         parts.append(Tables(ledgers=ledger(folders[seed] / "ledger_D_safe.json", **at)))
     found = Experiment(**vars(Tables.joined(parts)), specs=specs, left_out=tuple(left_out))
     return _belonging_together(found)
@@ -203,7 +183,7 @@ def _relied_on(
     """Of one run of the label curves; where nothing is collected, nothing is asked."""
     for iteration in range(max(iterations) + 1):
         name = f"{run}_{iteration}" if iteration or 0 in iterations else FIRST
-        at: dict[str, Any] = {"seed": seed, "run": run, "iteration": iteration, "step": name}
+        at = _at(seed, run, iteration, name)
         cost = _ledger_if_any(folder / f"ledger_D_{name if iteration else FIRST}.json", **at)
         if iteration and not spec.collects:
             cost = pd.DataFrame([dict.fromkeys(Ledger.model_fields, 0) | at])
@@ -238,12 +218,10 @@ def _is_not(seed: int, run: str, rows: pd.DataFrame) -> "pd.Series[bool]":
 def _read_step(
     folder: Path, seed: int, run: str, iteration: int, name: str, follower: str | None = None
 ) -> Tables:
-    """The step whose files in `folder` are called `name`.
-
-    Args:
-        follower: the step whose rollout its policies drove; None where there is none.
+    """The step whose files in `folder` are called `name`; its policies drove the rollout of the follower,
+    if there is one.
     """
-    at: dict[str, Any] = {"seed": seed, "run": run, "iteration": iteration, "step": name}
+    at = _at(seed, run, iteration, name)
     judged = [_rows(folder / f"safety_{name}.json", Quality, **at, judged_on=HELD_OUT)]
     if follower:
         rollout = folder / f"rollout_{follower}.json"
@@ -258,13 +236,8 @@ def _read_step(
 def read_driven(
     folder: Path, name: str, drives: str = _DRIVES, settings: str = "driving"
 ) -> pd.DataFrame:
-    """The drives of a step, each with what its condition's task was set to.
-
-    Args:
-        drives, settings: what the files of these begin with.
-
-    Raises:
-        FileNotFoundError, ValueError: as `read_drives` and `read_json`.
+    """The drives of a step, each with what its condition's task was set to, from files that begin with
+    these words. Raises as `read_drives` and `read_json`.
     """
     driven = read_drives(folder / f"{drives}_{name}.csv")
     file = folder / f"{settings}_{name}.json"
@@ -274,6 +247,11 @@ def read_driven(
             raise ValueError(f"{file}: no row of condition {condition!r}, expected one")
     told = rows.set_index("condition").add_prefix("task.").loc[driven.condition]
     return pd.concat([driven, told.set_index(driven.index)], axis=1)
+
+
+def _at(*step: Any) -> dict[str, Any]:
+    """The columns of a step, which all tables have."""
+    return dict(zip(STEP, step, strict=True))
 
 
 def _ledger(file: Path, **at: Any) -> pd.DataFrame:

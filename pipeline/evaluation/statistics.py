@@ -32,11 +32,8 @@ type Statistic = Callable[[np.ndarray, np.ndarray], np.ndarray]
 
 
 def interquartile_mean(columns: np.ndarray, counts: np.ndarray) -> np.ndarray:
-    """The mean of the middle half, as `scipy.stats.trim_mean(values, 0.25)`, for each row of counts.
-
-    Args:
-        columns: the values, (N, 1).
-        counts: how often each counts, (R, N).
+    """The mean of the middle half of the values (N, 1), as `scipy.stats.trim_mean(values, 0.25)`, for
+    each row of counts.
     """
     order = np.argsort(columns[:, 0], kind="stable")
     places = np.cumsum(counts[:, order], axis=1)
@@ -47,11 +44,8 @@ def interquartile_mean(columns: np.ndarray, counts: np.ndarray) -> np.ndarray:
 
 
 def ratio_of_sums(columns: np.ndarray, counts: np.ndarray) -> np.ndarray:
-    """All parts over all wholes, for each row of counts; NaN where the wholes are 0.
-
-    Args:
-        columns: part and whole of each drive, (N, 2); with a whole of 1 the ratio is the mean.
-        counts: how often each counts, (R, N).
+    """All parts over all wholes, (N, 2), for each row of counts; NaN where the wholes are 0. Where each
+    whole is 1, it is the mean.
     """
     parts, wholes = ((counts * column).sum(axis=1) for column in columns.T)
     return np.divide(parts, wholes, out=np.full(len(counts), np.nan), where=wholes > 0)
@@ -63,13 +57,9 @@ def estimate(
     strata: Sequence[tuple[int, str]],
     generator: np.random.Generator,
 ) -> Estimate | None:
-    """A statistic of some drives; None where it is not defined.
+    """A statistic of some drives, N >= 1, from what it takes of each; None where it is not defined.
 
-    Args:
-        statistic: `interquartile_mean` or `ratio_of_sums`.
-        columns: what it takes of each drive, (N, K), N >= 1.
-        strata: seed and track of each drive, N.
-        generator: is drawn from; equally seeded generators give equal intervals.
+    `strata` are the seed and the track of each drive. Equally seeded generators give equal intervals.
     """
     return _estimate(lambda counts: statistic(columns, counts), strata, generator)
 
@@ -81,11 +71,8 @@ def difference(
     strata: Sequence[tuple[int, str]],
     generator: np.random.Generator,
 ) -> Estimate | None:
-    """A statistic of some drives minus that of their counterparts, resampled as pairs.
-
-    Args:
-        statistic, columns, strata, generator: as for `estimate`.
-        baseline: the counterparts, (N, K): row by row the same situation, driven otherwise.
+    """A statistic of some drives minus that of their counterparts, resampled as pairs: row by row the
+    same situation, driven otherwise. Else as `estimate`.
     """
     return _estimate(
         lambda counts: statistic(columns, counts) - statistic(baseline, counts), strata, generator

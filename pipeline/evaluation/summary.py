@@ -11,10 +11,7 @@ from pipeline.metric import Metric, shown
 
 def measure(drives: pd.DataFrame, metrics: Mapping[str, Metric]) -> dict[str, float | None]:
     """The metrics that are ratios, of some drives, whose order does not matter; None where there is
-    nothing to divide by.
-
-    Raises:
-        ValueError: no drives.
+    nothing to divide by. ValueError where there are no drives.
     """
     if drives.empty:
         raise ValueError("there are no drives, expected at least one")
