@@ -9,17 +9,9 @@ from pipeline.policies.loading import policy_lineage
 
 
 class Catalogue:
-    """The datasets and policies in two folders, where each comes from, and where its card will be.
-
-    Args:
-        datasets: a folder of datasets.
-        models: a folder of policies; it may be the same one.
-        dataset_cards: the folder of the datasets' cards.
-        model_cards: the folder of the policies' cards.
-
-    Raises:
-        FileNotFoundError: a folder is missing.
-        ValueError: there is nothing in a folder, or something is not what it should be.
+    """The datasets and policies in two folders, or in one, where each comes from, and in which folder its
+    card will be. FileNotFoundError where a folder is missing; ValueError where there is nothing in it,
+    or something is not what it should be.
     """
 
     def __init__(

@@ -15,7 +15,7 @@ from pipeline.rollout.judgement import judgements
 
 
 def dataset_facts(dataset: Dataset) -> dict[str, Any]:
-    """Count a dataset of the car's.
+    """Count a dataset of the car's; ValueError where it is another robot's.
 
     Returns:
         "total", and of each in "scenarios" (by task: track and traffic) and "iterations" (in which a
@@ -33,9 +33,6 @@ def dataset_facts(dataset: Dataset) -> dict[str, Any]:
         "length": frames in an episode, and "ahead": actions from a frame to the end of its episode,
             its own counted; the medians, None without any.
         "columns": name, type and shape of each, and in how many frames it is NaN, "unknown".
-
-    Raises:
-        ValueError: it is another robot's.
     """
     dataset.require(IMITATED)
     columns = dataset.columns(n for n in dataset.with_core if n not in dataset.cameras)

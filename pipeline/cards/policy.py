@@ -25,11 +25,10 @@ from pipeline.rollout.strategies import DRIVING
 
 
 def policy_facts(path: Path, metrics: Path) -> dict[str, Any]:
-    """A policy, whose weights are checked to be whole and to fit, and what it is worth.
-
-    Args:
-        path: of the policy; its step is what its name says after its kind: "0" of primary_0.
-        metrics: the folder with drives_<step>.csv, driving_<step>.json and safety_<step>.json.
+    """A policy, whose weights are checked to be whole and to fit, and what it is worth: by
+    drives_<step>.csv, driving_<step>.json and safety_<step>.json in the folder `metrics`, where its step
+    is what its name says after its kind, "0" of primary_0. ValueError where files are missing, of
+    another kind of policy, or do not fit.
 
     Returns:
         "kind", LeRobot's name for it; "config"; "layers", each with its name, the shape of its weights
@@ -38,9 +37,6 @@ def policy_facts(path: Path, metrics: Path) -> dict[str, Any]:
             "tracks" and "most", where and how far they drove at most; "held_out", of a safety policy:
             `files.Quality`. Empty where that was of another policy, of another seed's say, or nobody
             knows of which.
-
-    Raises:
-        ValueError: files are missing, of another kind of policy, or do not fit.
     """
     config = read_config(path, *PRIMARIES, SAFETY_TYPE)
     is_safety = config.kind == SAFETY_TYPE

@@ -1,30 +1,32 @@
 """All cards of a catalogue, into two folders: beside each, as JSON, the facts that it says."""
 
 import json
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
 
 from pipeline.cards.catalogue import Catalogue, place
 from pipeline.cards.facts import dataset_facts
 from pipeline.cards.policy import policy_facts
 from pipeline.cards.rendering import dataset_card, model_card
-from pipeline.cards.strip import sample_rows, strip
 from pipeline.data.images import read_some_images
 from pipeline.data.lineage import Lineage
-from pipeline.driving.features import CAMERA
+from pipeline.driving.features import CAMERA, IMAGE_SHAPE
 from pipeline.evaluation.writing import write_metrics
+
+COUNT = 6  # frames in the strip beside a card, small enough to lie in git
+GAP = 2  # [pixels] of white between frames
+QUALITY = 80  # of the JPEG: about 4 kB a frame
 
 
 def write_dataset_cards(folder: Path, catalogue: Catalogue) -> dict[str, dict[str, Any]]:
-    """Write <name>.json, <name>.md and <name>.jpg for each dataset into `folder`, which is made.
-
-    Returns:
-        The facts of each dataset, by its sha256.
-
-    Raises:
-        ValueError: a dataset is another robot's, or a picture is damaged.
+    """Write <name>.json, <name>.md and <name>.jpg for each dataset into `folder`, which is made; the facts
+    of each, by its sha256. ValueError where one is another robot's, or a picture is damaged.
     """
     folder.mkdir()
     found = {}
@@ -53,21 +55,11 @@ def write_model_cards(
     metrics: Path,
     action_repeat: int,
 ) -> int:
-    """Write <name>.json and <name>.md for each policy into `folder`, which is made.
+    """Write <name>.json and <name>.md for each policy into `folder`, which is made; how many there are.
 
-    Args:
-        folder: where.
-        catalogue: the policies.
-        datasets: the facts of the datasets, by sha256.
-        metrics: the folder of what was measured.
-        action_repeat: control steps for which an action is held.
-
-    Returns:
-        How many.
-
-    Raises:
-        FileNotFoundError: there is no such folder of metrics.
-        ValueError: a policy or a metric is not what it should be.
+    `datasets` are their facts by sha256, `metrics` is the folder of what was measured, and an action was
+    held for `action_repeat` control steps. FileNotFoundError where there is no such folder; ValueError
+    where a policy or a metric is not what it should be.
     """
     if not metrics.is_dir():
         raise FileNotFoundError(f"{metrics}: there is no such folder")
@@ -93,6 +85,20 @@ def write_card(facts: Path) -> None:
     found = json.loads(facts.read_text())
     text = model_card(found) if "layers" in found else dataset_card(found)
     facts.with_suffix(".md").write_text(text, encoding="utf-8")
+
+
+def sample_rows(frames: int, count: int = COUNT) -> list[int]:
+    """The rows in the middle of `count` equal parts of `frames` rows; all where there are fewer."""
+    count = min(count, frames)
+    return [(2 * part + 1) * frames // (2 * count) for part in range(count)]
+
+
+def strip(images: Sequence[NDArray[np.uint8]]) -> bytes:
+    """Images [72, 160, 3] beside each other, as a JPEG; the same images give the same bytes."""
+    gap = np.full((IMAGE_SHAPE[0], GAP, 3), 255, np.uint8)
+    parts = [part for image in images for part in (gap, image)][1:]
+    picture = cv2.cvtColor(np.concatenate(parts, axis=1), cv2.COLOR_RGB2BGR)
+    return cv2.imencode(".jpg", picture, [cv2.IMWRITE_JPEG_QUALITY, QUALITY])[1].tobytes()
 
 
 def _trained_on(

@@ -1,12 +1,24 @@
-"""All cards at once: the same bytes each time, complete or not at all, and one line for bad input."""
+"""All cards at once: the same bytes each time, complete or not at all, and one line for bad input; and
+their strips of sample frames, evenly spaced, and the dataset's own.
+"""
 
 import re
 import sys
 from collections.abc import Callable
 from pathlib import Path
 
+import cv2
+import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
+from pipeline.cards.writing import sample_rows, strip
+from pipeline.data.dataset import Dataset
+from pipeline.data.images import read_images, read_some_images
+from pipeline.driving.features import CAMERA
+from pipeline.driving.tracks import make_track
+from pipeline.inspection.tracks import sample_frame
 from stages import __main__ as cli
 from tests.data.conftest import tree
 
@@ -125,3 +137,32 @@ def test_an_empty_folder_is_refused(house: Path, make_cards: Callable[..., Path]
         path.rename(house / path.name)
     with pytest.raises(ValueError, match="no policy in this folder, expected at least one"):
         make_cards()
+
+
+@given(st.integers(1, 100_000), st.integers(1, 12))
+def test_rows_are_evenly_spaced(frames: int, count: int) -> None:
+    rows = sample_rows(frames, count)
+    assert len(rows) == min(frames, count)
+    assert rows[0] >= 0 and rows[-1] < frames
+    steps = np.diff([*rows])
+    assert len(rows) == 1 or (steps.min() >= 1 and np.ptp(steps) <= 1)
+
+
+@pytest.mark.parametrize("name", ["rollout_1", "D_1", "new_1"])
+def test_images_are_those_of_their_rows(name: str, original: Path) -> None:
+    dataset = Dataset.open(original / "datasets" / name)
+    images = read_images(dataset, CAMERA)
+    rows = list(range(0, len(images), 2))
+    some = np.stack(read_some_images(dataset, CAMERA, rows))
+    np.testing.assert_array_equal(some, images[rows])
+
+
+def test_a_strip_is_small_and_shows_the_images_beside_each_other() -> None:
+    images = [sample_frame(make_track(name))[0] for name in ("spruce", "willow", "yew") * 2]
+    picture = strip(images)
+    assert len(picture) < 30_000
+    shown = cv2.imdecode(np.frombuffer(picture, np.uint8), cv2.IMREAD_COLOR_RGB)
+    assert shown is not None and shown.shape == (72, 6 * 160 + 5 * 2, 3)
+    for number, image in enumerate(images):
+        difference = shown[:, 162 * number :][:, :160].astype(int) - image
+        assert np.abs(difference).mean() < 5
