@@ -1,7 +1,7 @@
 """What is measured, said once: `evaluate`, DVC, tables, figures, claims and cards ask here."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Final, Literal
 
 DRIVES = "drives"
@@ -73,84 +73,61 @@ DRIVEN: Mapping[str, Metric] = {
 }
 """Of drives, whatever the task."""
 
-QUALITY: Mapping[str, Metric] = {
-    "auroc": Metric(
-        "AUROC", "probability", "ratio", "auroc", statistic="mean", shown=("tables", "cards", "dvc")
-    ),
-    "recall": Metric(
+
+def _means(*metrics: Metric) -> dict[str, Metric]:
+    """By the name of its part, each as a mean over the rows."""
+    return {metric.part: replace(metric, statistic="mean") for metric in metrics}
+
+
+QUALITY: Mapping[str, Metric] = _means(
+    Metric("AUROC", "probability", "ratio", "auroc", shown=("tables", "cards", "dvc")),
+    Metric(
         "Recall of unsafe",
         "share of the unsafe",
         "share",
         "recall",
-        statistic="mean",
         shown=("tables", "cards", "dvc"),
     ),
-    "precision": Metric(
-        "Precision of unsafe", "share of those called so", "share", "precision", statistic="mean"
-    ),
-    "average_precision": Metric(
+    Metric("Precision of unsafe", "share of those called so", "share", "precision"),
+    Metric(
         "Average precision",
         "share of those called so",
         "ratio",
         "average_precision",
-        statistic="mean",
         shown=("tables",),
     ),
-    "calibration_error": Metric(
-        "Calibration error",
-        "probability",
-        "ratio",
-        "calibration_error",
-        statistic="mean",
-        shown=("tables",),
-    ),
-    "share_unsafe": Metric(
-        "Truly unsafe", "share of frames", "share", "share_unsafe", statistic="mean"
-    ),
-    "share_predicted_unsafe": Metric(
-        "Called unsafe", "share of frames", "share", "share_predicted_unsafe", statistic="mean"
-    ),
-}
+    Metric("Calibration error", "probability", "ratio", "calibration_error", shown=("tables",)),
+    Metric("Truly unsafe", "share of frames", "share", "share_unsafe"),
+    Metric("Called unsafe", "share of frames", "share", "share_predicted_unsafe"),
+)
 """Of a safety policy, in the order of `learning.quality`: how well it finds what is unsafe."""
 
-SPENT: Mapping[str, Metric] = {
-    "queries": Metric(
+SPENT: Mapping[str, Metric] = _means(
+    Metric(
         "Queries so far",
         "queries of the loop so far",
         "count",
         "queries",
-        statistic="mean",
         shown=("tables", "figures", "dvc"),
     ),
-    "labels": Metric("Labels in all", "labels", "count", "labels", statistic="mean"),
-    "frames_driven": Metric(
-        "Frames driven so far", "frames", "count", "frames_driven", statistic="mean"
-    ),
-    "takeover": Metric(
-        "Of them by the reference", "share of frames", "share", "takeover", statistic="mean"
-    ),
-    "frames_trained": Metric(
-        "Frames trained on", "frames trained on", "count", "frames_trained", statistic="mean"
-    ),
-}
+    Metric("Labels in all", "labels", "count", "labels"),
+    Metric("Frames driven so far", "frames", "count", "frames_driven"),
+    Metric("Of them by the reference", "share of frames", "share", "takeover"),
+    Metric("Frames trained on", "frames trained on", "count", "frames_trained"),
+)
 """Of a loop up to an iteration: what it cost."""
 
-COLLECTED: Mapping[str, Metric] = {
-    "drives": Metric("Drives", "drives", "count", "drives", statistic="mean"),
-    "scenarios": Metric("Scenarios", "scenarios", "count", "scenarios", statistic="mean"),
-    "calls": Metric("Calls", "calls", "count", "calls", statistic="mean"),
-    "call_length": Metric("Frames of a call", "frames", "amount", "call_length", statistic="mean"),
-    "switches": Metric("Switches", "switches", "count", "switches", statistic="mean"),
-    "audits": Metric("Audits", "queries", "count", "audits", statistic="mean"),
+COLLECTED: Mapping[str, Metric] = _means(
+    Metric("Drives", "drives", "count", "drives"),
+    Metric("Scenarios", "scenarios", "count", "scenarios"),
+    Metric("Calls", "calls", "count", "calls"),
+    Metric("Frames of a call", "frames", "amount", "call_length"),
+    Metric("Switches", "switches", "count", "switches"),
+    Metric("Audits", "queries", "count", "audits"),
     # no counts: of one on three seeds, rounding would leave none
-    "put_back": Metric("Put back", "times", "amount", "put_back", statistic="mean"),
-    "failures": Metric(
-        "Failures while collecting",
-        "failures",
-        "amount",
-        "failures",
-        statistic="mean",
-        shown=(*EVERYWHERE, "dvc"),
+    Metric("Put back", "times", "amount", "put_back"),
+    Metric(
+        "Failures while collecting", "failures", "amount", "failures", shown=(*EVERYWHERE, "dvc")
     ),
-}
+)
 """Of the same: what its drives took, and what became of them."""
