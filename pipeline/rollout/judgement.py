@@ -38,10 +38,8 @@ class Judgement:
 
     @classmethod
     def read(cls, safety: Path, cut: float | None = None) -> Self:
-        """Of the safety policy in a directory; `cut` takes the place of its own.
-
-        Raises:
-            ValueError: there is none.
+        """Of the safety policy in a directory, ValueError where there is none; `cut` takes the place of its
+        own.
         """
         from pipeline.policies.loading import read_cut, read_labels  # imports PyTorch
 
@@ -64,18 +62,11 @@ def rule_of(
     resume: float | None = None,
     least: float = 0,
 ) -> Rule:
-    """The rule of a driving strategy.
+    """The rule of a driving strategy, but for `MIXTURE`; the judgement is None where there is no safety
+    policy. Of the safe strategy, `resume` and `least` are as of `Calm`, the cut and 0 unless given.
 
-    Args:
-        strategy: but for `MIXTURE`.
-        judgement: None where there is no safety policy.
-        resume: of the safe strategy, as `Calm`: the safe probability at which the reference hands
-            back; the cut where None.
-        least: of the safe strategy, as `Calm`: for how many frames it drives.
-
-    Raises:
-        ValueError: the strategy needs a safety policy, or a number that no policy has, beta; or a
-            number is out of its range.
+    ValueError where the strategy needs a safety policy, or a number that no policy has, beta; or a number
+    is out of its range.
     """
     match strategy:
         case Strategy.REFERENCE:

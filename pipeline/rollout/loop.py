@@ -11,7 +11,6 @@ from numpy.typing import NDArray
 
 from pipeline.data.schema import Asked
 from pipeline.environment import Action, Environment, columns_of
-from pipeline.rollout.asking import Reference
 from pipeline.rollout.rules.rule import Decision, Rule, Signals
 
 if TYPE_CHECKING:
@@ -54,23 +53,19 @@ def drive(
     *,
     seed: int,
     rng: np.random.Generator,
-    reference: Reference,
+    can_look_up: bool,
     measure: bool,
 ) -> Iterator[Frame]:
-    """Drive once, until the environment says that it is over.
+    """Drive once, until the environment says that it is over; ValueError where the primary's action is NaN
+    or infinite.
 
     Args:
-        env: is reset with `seed`, and left open.
+        env: is reset with `seed`, and left open. Each call of its `label` is a query.
         driver: the policies; None where only the reference drives. It is reset when the drive begins,
             and after each frame in which the reference drove: what it planned before is of no use.
         rule: who drives; `rng` is its own.
-        seed: of the drive.
-        rng: of the rule.
-        reference: who is asked, and counts.
-        measure: whether the reference is looked up where it is not asked.
-
-    Raises:
-        ValueError: the primary's action is NaN or infinite.
+        can_look_up: whether the reference may be asked for nothing, to measure.
+        measure: whether it is, too, where it is not asked.
     """
     rule.begin(rng)
     if driver is not None:
@@ -81,14 +76,14 @@ def drive(
     while not over:
         seen = columns_of(observation)
         primary_action, signals = _consult(driver, seen, unknown)
-        looked_up = reference.look_up() if rule.looks_up else unknown
-        decision = rule.decide(Signals(primary_action, signals, looked_up))
-        label = reference.label() if decision.asked is not Asked.NOT else unknown
-        known = label if decision.asked is not Asked.NOT else looked_up
-        if measure and decision.asked is Asked.NOT and not rule.looks_up:
-            known = reference.look_up()
+        known = env.look_up() if rule.looks_up and can_look_up else unknown
+        decision = rule.decide(Signals(primary_action, signals, known))
+        if decision.asked is not Asked.NOT:
+            known = env.label()
+        elif measure and can_look_up and not rule.looks_up:
+            known = env.look_up()
         hidden = info["hidden"]
-        action = label if decision.reference_drives else primary_action
+        action = known if decision.reference_drives else primary_action
         observation, _, terminated, truncated, info = env.step(action)
         over = terminated or truncated
         if driver is not None and decision.reference_drives:

@@ -11,7 +11,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from pipeline.environment import Environment
-from pipeline.rollout.asking import Reference
 from pipeline.rollout.loop import Frame, drive
 from pipeline.rollout.rules.rule import Rule
 from pipeline.task import Task
@@ -64,8 +63,8 @@ def driven(
             plan.rule,
             seed=one_number(plan.seed),
             rng=np.random.default_rng((*plan.seed, _RULE)),
-            reference=Reference(env, can_look_up=plan.task.can_look_up),
-            measure=measure and plan.task.can_look_up,
+            can_look_up=plan.task.can_look_up,
+            measure=measure,
         ):
             yield env, frame
     finally:

@@ -90,10 +90,8 @@ def record_all(
     """Record one drive after the other, around the scenarios of a task, in the order of `numbers`.
 
     Drive n is in scenario n modulo their number, with n appended to the seed. Whoever has enough
-    closes it: drives have been begun that nobody will see.
-
-    Raises:
-        ValueError: the task does not show what the primary sees; before anything is driven.
+    closes it: drives have been begun that nobody will see. ValueError, before anything is driven, where
+    the task does not show what the primary sees.
     """
     if driver is not None:
         driver.check_task(task.name, task.features)

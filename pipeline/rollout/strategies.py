@@ -25,11 +25,7 @@ DRIVING = (Strategy.NAIVE, Strategy.SAFE, Strategy.OPTIMAL)
 
 
 def parse_driving(name: str) -> Strategy:
-    """The strategy of DRIVING with this name.
-
-    Raises:
-        ValueError: there is none.
-    """
+    """The strategy of DRIVING with this name; ValueError where there is none."""
     if name not in DRIVING:
         raise ValueError(f"strategy {name!r}: expected one of {', '.join(DRIVING)}")
     return Strategy(name)

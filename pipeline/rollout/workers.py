@@ -12,10 +12,7 @@ def in_order[Result](
     job: Callable[..., Result], arguments: Iterable[tuple], workers: int | None
 ) -> Generator[Result]:
     """Run `job(*arguments)` in `workers` processes, one for each core where None; the results come in
-    the order of the arguments, as they are ready.
-
-    Raises:
-        OSError: the system killed one of them.
+    the order of the arguments, as they are ready. OSError where the system killed one of them.
     """
     pool = Parallel(workers or -1, return_as="generator", batch_size=1, pre_dispatch="2 * n_jobs")
     results = pool(delayed(_on_one_thread)(job, each) for each in arguments)

@@ -17,7 +17,6 @@ from pipeline.driving.world import World
 from pipeline.environment import Action, Environment
 from pipeline.policies.inference import Driver
 from pipeline.policies.network import SafetyNetwork
-from pipeline.rollout.asking import Reference as Asking
 from pipeline.rollout.judgement import Judgement, rule_of
 from pipeline.rollout.loop import Frame, drive
 from pipeline.rollout.plans import driven, one_number
@@ -153,24 +152,14 @@ def test_the_reference_is_asked_as_often_as_the_ledger_will_count(
 ) -> None:
     """The heart of the product: a query is a call of `label`, and nothing else is."""
     env = CountingEnv(track="alder", traffic=3, action_repeat=3, seconds=2.0)
-    asking = Asking(env, can_look_up=True)
-    frames = list(
-        drive(
-            env,
-            driver(),
-            rule,
-            seed=1,
-            rng=np.random.default_rng(1),
-            reference=asking,
-            measure=measure,
-        )
-    )
+    told: dict[str, Any] = {"can_look_up": True, "measure": measure}
+    frames = list(drive(env, driver(), rule, seed=1, rng=np.random.default_rng(1), **told))
     env.close()
     asked = sum(frame.decision.asked is not Asked.NOT for frame in frames)
-    assert env.labels == asking.queries == asked
+    assert env.labels == asked
     assert sum(frame.intervention for frame in frames) <= asked
     looked_up = len(frames) if rule.looks_up else (len(frames) - asked if measure else 0)
-    assert env.look_ups == asking.looked_up == looked_up
+    assert env.look_ups == looked_up
     known = sum(bool(np.isfinite(frame.reference_action).all()) for frame in frames)
     assert known == (len(frames) if measure or rule.looks_up else asked)
 
@@ -201,9 +190,8 @@ def test_the_policy_is_reset_before_a_drive_and_after_each_frame_of_the_referenc
 def test_a_reference_that_cannot_be_looked_up_is_not() -> None:
     """A person, say: what nobody asked, nobody knows."""
     env = CountingEnv(track="alder", action_repeat=3, seconds=1.0)
-    asking = Asking(env, can_look_up=False)
-    rng = np.random.default_rng(0)
-    frames = list(drive(env, driver(), Naive(), seed=0, rng=rng, reference=asking, measure=True))
+    told: dict[str, Any] = {"can_look_up": False, "measure": True}
+    frames = list(drive(env, driver(), Naive(), seed=0, rng=np.random.default_rng(0), **told))
     env.close()
-    assert (env.labels, env.look_ups, asking.looked_up) == (0, 0, 0)
+    assert (env.labels, env.look_ups) == (0, 0)
     assert all(np.isnan(frame.reference_action).all() for frame in frames)

@@ -14,9 +14,6 @@ class Audit(Rule):
 
     Whatever a safety policy says: only so is it known, where the reference is a person, what it
     misses. Who drives does not change.
-
-    Raises:
-        ValueError: a number is out of its range.
     """
 
     rule: Rule

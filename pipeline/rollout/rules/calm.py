@@ -14,9 +14,6 @@ class Calm(Rule):
 
     That is when the other rule lets the primary drive, the safe probability is at least `resume`, and
     the reference has driven for `least` frames.
-
-    Raises:
-        ValueError: a number is out of its range.
     """
 
     rule: Rule

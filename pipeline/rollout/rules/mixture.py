@@ -10,11 +10,7 @@ from pipeline.rollout.rules.rule import DROVE, Decision, Rule, Signals, check_nu
 
 @dataclass
 class Mixture(Rule):
-    """The reference drives a frame with probability beta, else the primary; it is asked anyway.
-
-    Raises:
-        ValueError: a number is out of its range.
-    """
+    """The reference drives a frame with probability beta, else the primary; it is asked anyway."""
 
     name = "mixture"
 

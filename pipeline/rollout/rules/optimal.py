@@ -10,11 +10,7 @@ from pipeline.rollout.rules.rule import DROVE, NOT_ASKED, Decision, Rule, Signal
 
 @dataclass(frozen=True)
 class Optimal(Rule):
-    """The reference drives where the primary deviates from it by more than tau.
-
-    Raises:
-        ValueError: a number is out of its range.
-    """
+    """The reference drives where the primary deviates from it by more than tau."""
 
     name = "optimal"
     looks_up = True

@@ -30,10 +30,8 @@ class Signals:
 
 @dataclass(frozen=True)
 class Decision:
-    """Who drives a frame, and whether it costs a query.
-
-    Raises:
-        ValueError: the reference is to drive unasked, or the probability is none.
+    """Who drives a frame, and whether it costs a query; ValueError where the reference is to drive unasked,
+    or the probability is none.
     """
 
     reference_drives: bool

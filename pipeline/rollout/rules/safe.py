@@ -10,11 +10,7 @@ from pipeline.rollout.rules.rule import DROVE, NOT_ASKED, Decision, Rule, Signal
 
 @dataclass(frozen=True)
 class Safe(Rule):
-    """The reference drives where the safe probability is not at least the cut.
-
-    Raises:
-        ValueError: a number is out of its range.
-    """
+    """The reference drives where the safe probability is not at least the cut."""
 
     name = "safe"
 
