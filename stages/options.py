@@ -118,10 +118,8 @@ def chosen(command: Callable[..., None], typed: Sequence[str]) -> Callable[..., 
     """The command with options in the place of each parameter that is a dataclass of `Settings`.
 
     One that is a Task or a Lesson can be any: which one, an option of the parameter's name says,
-    `--task driving`. So what a command takes is known only when it is called: see `typed`.
-
-    Raises:
-        ValueError: there is no such task or policy.
+    `--task driving`. So what a command takes is known only when it is called: see `typed`. ValueError
+    where there is no such task or policy.
     """
     signature = inspect.signature(command)
     parameters, made = [], {}

@@ -17,18 +17,12 @@ FLATTEST = 0.01
 def calibrate(
     network: SafetyNetwork, features: np.ndarray, safe: np.ndarray
 ) -> tuple[float, float]:
-    """Stretch and shift a network's logits, in its last layer, to the likeliest probabilities.
-
-    Args:
-        network: a trained one; changed in place.
-        features: float [N, F] of frames that it has not learned from.
-        safe: bool [N], whether they are.
+    """Stretch and shift a trained network's logits, in its last layer, to the likeliest probabilities: by
+    frames float [N, F] that it has not learned from, and whether they are safe, bool [N]. ValueError
+    where there are none.
 
     Returns:
         By what the difference of the logits (safe minus unsafe) was multiplied, then what was added.
-
-    Raises:
-        ValueError: no frames.
     """
     if len(safe) == 0:
         raise ValueError("there are no frames to calibrate with, expected some")

@@ -32,7 +32,8 @@ def fit(
     generator: torch.Generator,
     on_epoch: OnEpoch | None,
 ) -> Metrics:
-    """Fit `network` in place and return the metrics of the epoch whose weights it has.
+    """Fit `network` in place and return the metrics of the epoch whose weights it has; ValueError where the
+    loss is no longer a number.
 
     Args:
         network: on any device; left in evaluation mode, with its last (`adamw`) or its best (`sgd`)
@@ -42,9 +43,6 @@ def fit(
         validate: metrics of held-out examples; `sgd` needs "validation_loss" among them.
         generator: of the order of the examples; it is advanced.
         on_epoch: see `OnEpoch`; the last epoch may be cut short by `settings.samples`.
-
-    Raises:
-        ValueError: the loss is no longer a number.
     """
     epochs = math.ceil(settings.samples / len(rows))
     plan: _Plan = (_Plateau if settings.optimizer == "sgd" else _Cycle)(network, settings, rows)
@@ -165,14 +163,9 @@ def cycle(step: int, steps: int) -> float:
 def split_episodes(
     episode_index: np.ndarray, share: float, rng: np.random.Generator
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Rows to train on and rows to hold out, both in order; an episode is never divided.
-
-    Args:
-        episode_index: int [N], the episode of each row.
-        share: [0, 1) of the episodes to hold out; where it is above 0, at least one is.
-
-    Raises:
-        ValueError: fewer than two episodes to share out, or no rows.
+    """Rows to train on and rows to hold out, both in order: a share [0, 1) of the episodes, at least one
+    where it is above 0, and never a part of one. ValueError where there are fewer than two episodes to
+    share out, or no rows.
     """
     episodes = np.unique(episode_index)
     if len(episodes) < (2 if share else 1):

@@ -44,11 +44,7 @@ class Frames:
 
 
 def look_at(primary: Actor, safety: SafetyNetwork, dataset: Dataset, rule: LabelRule) -> Frames:
-    """Run both policies over the frames of a dataset that have a label.
-
-    Raises:
-        ValueError: as `safety.proposals`.
-    """
+    """Run both policies over the frames of a dataset that have a label. Raises as `safety.proposals`."""
     proposed, features, actions, run = proposals(primary, dataset)
     return Frames(
         proposed,
@@ -62,14 +58,9 @@ def look_at(primary: Actor, safety: SafetyNetwork, dataset: Dataset, rule: Label
 
 
 def situations(frames: Frames, told: Sequence[str]) -> Iterator[tuple[str, NDArray[np.bool_]]]:
-    """Which frames are in each situation, all of them first.
-
-    Args:
-        told: expressions of `Frames.numbers` as `pandas.DataFrame.eval` reads them, such as
-            "distance_ahead < 20".
-
-    Raises:
-        ValueError: one that is no condition on what there is.
+    """Which frames are in each situation, all of them first. One is told as an expression of
+    `Frames.numbers` that `pandas.DataFrame.eval` reads, such as "distance_ahead < 20"; ValueError where
+    it is no condition on what there is.
     """
     yield ALL, np.ones(len(frames.deviation), bool)
     for each in told:

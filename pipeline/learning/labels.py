@@ -34,20 +34,16 @@ class LabelRule:
     def deviation(
         self, proposed: np.ndarray, reference: np.ndarray, episode_index: np.ndarray, fps: float
     ) -> np.ndarray:
-        """[N], what labels each frame of `proposed` and `reference` [N, A], `fps` frames a second.
-
-        Raises:
-            ValueError: as `deviation` and `label_horizon`.
+        """[N], what labels each frame of `proposed` and `reference` [N, A], `fps` frames a second. Raises
+        as `deviation` and `label_horizon`.
         """
         epsilon = deviation(self.measure, proposed, reference, self.half_range)
         return label_horizon(epsilon, episode_index, round(self.horizon * fps), self.mode)
 
 
 def safe_labels(deviation: np.ndarray, tau: float) -> np.ndarray:
-    """Eq. 2, bool [N]: True, safe, where `deviation` [N] is at most `tau`.
-
-    Raises:
-        ValueError: a deviation is NaN, which is neither safe nor unsafe.
+    """Eq. 2, bool [N]: True, safe, where `deviation` [N] is at most `tau`; ValueError where it is NaN, which
+    is neither safe nor unsafe.
     """
     unknown = int(np.isnan(deviation).sum())
     if unknown:
@@ -56,14 +52,8 @@ def safe_labels(deviation: np.ndarray, tau: float) -> np.ndarray:
 
 
 def threshold_for_share(deviation: np.ndarray, share: float) -> float:
-    """The smallest tau under which at least `share` of the frames are safe.
-
-    Args:
-        deviation: [N], no NaN.
-        share: (0, 1], the paper's is 0.777 after supervised training.
-
-    Raises:
-        ValueError: no frames, or a share outside (0, 1].
+    """The smallest tau under which at least `share` of the frames are safe, the paper's 0.777 say; of
+    deviations [N] without NaN. ValueError where there are no frames, or the share is outside (0, 1].
     """
     if not 0 < share <= 1 or len(deviation) == 0:
         raise ValueError(
@@ -84,15 +74,7 @@ def label_horizon(
 
     `last` is the deviation `horizon_frames` later, `max` the largest from the frame itself until
     then. The future ends with the episode: beyond it, its last frame stands for what would follow.
-
-    Args:
-        deviation: [N], rows in order.
-        episode_index: int [N], the rows of an episode together.
-        horizon_frames: >= 0 rows; 0 leaves the deviation as it is.
-        mode: see above.
-
-    Raises:
-        ValueError: a horizon below 0, another mode, or an episode in more than one piece.
+    ValueError for a horizon below 0, another mode, or rows of an episode that are not together.
     """
     if horizon_frames < 0 or mode not in ("last", "max"):
         raise ValueError(

@@ -13,13 +13,9 @@ def detection_quality(
 ) -> dict[str, Any]:
     """Measures of `safe_probability` [N] against `deviation` [N]; unsafe is what is to be found.
 
-    Frames whose deviation is not known are left out. A measure that is not defined is None.
-
-    Args:
-        safe_probability: [N] in [0, 1], the probability of being safe (Eq. 2); NaN is unsafe.
-        deviation: [N], a frame is unsafe where it is above `tau`.
-        tau: the threshold.
-        cut: a frame is called unsafe where its probability is below this.
+    A frame is unsafe where its deviation is above `tau`, and called so where its probability of being
+    safe, [0, 1] or NaN, is not at least the cut. Frames whose deviation is not known are left out. A
+    measure that is not defined is None. ValueError where the two differ in shape.
 
     Returns:
         "frames": how many were measured.
@@ -33,9 +29,6 @@ def detection_quality(
         "calibration_error": of BINS bins, how far the mean predicted probability of being unsafe is
             from the observed share, on average over the frames (Guo et al. 2017).
         "calibration": of each bin with frames [predicted, observed, frames].
-
-    Raises:
-        ValueError: the arrays differ in shape.
     """
     if safe_probability.shape != deviation.shape:
         raise ValueError(

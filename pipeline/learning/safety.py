@@ -53,14 +53,9 @@ class Judged:
 def proposals(
     primary: Actor, dataset: Dataset
 ) -> tuple[NDArray[np.float32], NDArray[np.float16], NDArray[np.float32], NDArray[np.int64]]:
-    """What a primary would do in the frames of a dataset that carry the reference's action.
-
-    Returns:
-        [N, A], its actions; [N, F], what it looked at; [N, A], the reference's actions; and [N], which
-        run of neighbours with a label each frame is in.
-
-    Raises:
-        ValueError: another robot's dataset, or one without a label of the reference.
+    """What a primary would do in the frames of a dataset that carry the reference's action, [N, A]; what
+    it looked at, [N, F]; the reference's actions, [N, A]; and [N], which run of neighbours with a label
+    each frame is in. ValueError for another robot's dataset, or one without a label of the reference.
     """
     dataset.require({**primary.seen, "action": primary.action})
     rows, run = labelled(dataset)
@@ -69,15 +64,8 @@ def proposals(
 
 
 def judge(primary: Actor, dataset: Dataset, *, rule: LabelRule) -> Judged:
-    """Run a primary over the frames of a dataset that carry the reference's action.
-
-    Args:
-        primary: a trained primary network.
-        dataset: with the columns that it sees, and its actions.
-        rule: what counts as a deviation.
-
-    Raises:
-        ValueError: as `proposals`.
+    """Run a primary over the frames of a dataset that carry the reference's action; what counts as a
+    deviation, the rule says. Raises as `proposals`.
     """
     proposed, features, actions, run = proposals(primary, dataset)
     epsilon = rule.deviation(proposed, actions, run, dataset.fps)
@@ -87,10 +75,8 @@ def judge(primary: Actor, dataset: Dataset, *, rule: LabelRule) -> Judged:
 
 
 def held_out_episodes(judged: Judged, share: float, rng: np.random.Generator) -> NDArray[np.bool_]:
-    """[N] true for the frames of a random `share` of the episodes, at least one.
-
-    Raises:
-        ValueError: the share leaves no episodes on either side.
+    """[N] true for the frames of a random `share` of the episodes; ValueError where that leaves none on
+    either side.
     """
     episodes = np.unique(judged.episode_index)
     count = round(share * len(episodes))

@@ -20,10 +20,8 @@ class Optimisation(Settings):
     `sgd` is the paper's: momentum, and after each epoch that did not improve the validation error
     the rate is divided by 5; `patience` such epochs in a row end the training, and the weights with
     the lowest error are kept. `adamw` follows one cycle: the rate rises and falls back to zero
-    within `samples`, and the last weights are kept.
-
-    Raises:
-        ValueError: a field is out of its range, or nothing is held out that `sgd` could follow.
+    within `samples`, and the last weights are kept. ValueError where a field is out of its range, or
+    nothing is held out that `sgd` could follow.
     """
 
     optimizer: Annotated[
@@ -53,10 +51,8 @@ class Optimisation(Settings):
 
 @dataclass(frozen=True, kw_only=True)
 class SafetySettings(Optimisation):
-    """The training of a safety policy, and the labels that it learns.
-
-    Raises:
-        ValueError: as `Optimisation`, or 'size' without a threshold.
+    """The training of a safety policy, and the labels that it learns; ValueError as `Optimisation`, or for
+    'size' without a threshold.
     """
 
     learning_rate: LearningRate = 0.0001

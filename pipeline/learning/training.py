@@ -42,25 +42,20 @@ def train_primary(
     device: torch.device = CPU,
     on_epoch: OnEpoch | None = None,
 ) -> tuple[ConvNetwork, Metrics]:
-    """Train a primary policy to imitate the reference (Eq. 1).
+    """Train a primary policy to imitate the reference (Eq. 1); ValueError for arrays of the wrong shape,
+    type or length, or `initial` of another network.
 
     Args:
-        lesson: which network, and how it learns.
         features: what the lesson has `learned` of a dataset.
         columns: all of `features`, [N, *shape]; images are uint8.
         episode_index: int [N]; frames of the same one are held out together.
-        settings: see `Optimisation`.
         initial: the `state_dict` of such a network to begin with; None begins from scratch.
         device: that computes. The processor draws and augments, so that chance is the same on all.
-        on_epoch: told the metrics after each epoch.
 
     Returns:
         The network in evaluation mode, on the CPU, and metrics: "epoch", "samples", "loss" (of
         training), and with held-out frames "validation_loss" and its unweighted parts, by the
         lesson's names.
-
-    Raises:
-        ValueError: arrays of the wrong shape, type or length, or `initial` of another network.
     """
     _check_rows(
         episode_index=(episode_index, np.integer, ()),
@@ -126,7 +121,8 @@ def train_safety(
     device: torch.device = CPU,
     on_epoch: OnEpoch | None = None,
 ) -> tuple[SafetyNetwork, Metrics]:
-    """Train a safety policy to tell safe from unsafe frames (Eq. 4), from the primary's Conv5.
+    """Train a safety policy to tell safe from unsafe frames (Eq. 4), from the primary's Conv5; ValueError
+    for arrays of the wrong shape, type or length, or a NaN.
 
     Where it learns the size of the deviation, it regresses log(deviation / tau), at most `EXTREME` on
     either side, as the difference of its logits: the probability of being safe is then
@@ -136,18 +132,12 @@ def train_safety(
         features: float16 or float32 [N, F], as `inference.propose` gives them.
         deviation: float [N], no NaN: how far the primary is from the reference, see Eq. 2.
         episode_index: int [N]; frames of the same one are held out together.
-        settings: see `SafetySettings`.
         weight: float [N], above 0, for how many frames each counts; 1 for each where None.
-        device: as for `train_primary`.
-        on_epoch: told the metrics after each epoch.
 
     Returns:
         The network in evaluation mode, on the CPU, and metrics: "epoch", "samples", "loss" (of
         training), and with held-out frames "validation_loss". Both losses have the class weights
         in them.
-
-    Raises:
-        ValueError: arrays of the wrong shape, type or length, or a NaN.
     """
     weight = np.ones(len(deviation)) if weight is None else weight
     _check_rows(
@@ -207,12 +197,8 @@ def class_weights(safe: np.ndarray, balance: float, weight: np.ndarray | None = 
     """Weights float32 [2] of unsafe (index 0) and safe frames, 1 on average over the frames.
 
     A class counts in inverse proportion to its share raised to `balance`: 0 counts each frame
-    alike, 1 each class alike. With one class only, both weigh 1.
-
-    Args:
-        safe: bool [N].
-        balance: [0, 1].
-        weight: [N], as for `train_safety`.
+    alike, 1 each class alike. With one class only, both weigh 1. `safe` is bool [N], and `weight` [N] as
+    for `train_safety`.
     """
     shares = np.average([~safe, safe], axis=1, weights=weight)
     if 0 in shares:
