@@ -61,6 +61,11 @@ def check_place(*paths: Path | None) -> None:
             raise ValueError(f"{path}: nothing can be written there ({error.strerror})") from None
 
 
+def seen_from(folder: Path, path: Path) -> str:
+    """Where `path` lies, as a link in a file in `folder` says it."""
+    return Path(os.path.relpath(path, folder)).as_posix()
+
+
 @contextmanager
 def _scratch(parent: Path) -> Iterator[Path]:
     """A folder in `parent`, so that the last step is a rename within one file system."""

@@ -2,7 +2,6 @@
 
 import inspect
 import math
-import os
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
@@ -209,11 +208,6 @@ def arguments(context: typer.Context) -> dict[str, Any]:
 def endings(why: Iterable[str]) -> str:
     """Why drives ended, and how many for each reason."""
     return "ended: " + ", ".join(f"{reason} {n}" for reason, n in Counter(why).most_common())
-
-
-def seen_from(report: Path, picture: Path) -> str:
-    """Where `picture` lies, as a link in `report` says it."""
-    return Path(os.path.relpath(picture, report.parent)).as_posix()
 
 
 @contextmanager

@@ -9,7 +9,7 @@ from typing import Annotated
 
 import typer
 
-from stages import options
+from pipeline.output import check_place, seen_from, write_file
 
 ERRORS = "How the supervised primary's errors lie around tau (the paper's Fig. 2)"
 FRAMES = "What the first safety policy found safest and least safe (the paper's appendix)"
@@ -31,7 +31,6 @@ def report(
     from pipeline.evaluation.experiment import STEP
     from pipeline.inspection.canvas import png
     from pipeline.inspection.tracks import track_sheet
-    from pipeline.output import check_place, write_file
     from pipeline.report.figures import TITLES, over_the_iterations, result
     from pipeline.report.label_curves import label_curves
     from pipeline.report.material import read_material
@@ -55,7 +54,7 @@ def report(
     for name, (title, tracks) in sheets.items():
         drawn[name] = track_sheet(list(tracks), title)
     pngs = {name: png(figure) for name, figure in drawn.items()}
-    places = {name: options.seen_from(output, paths[name]) for name in pngs}
+    places = {name: seen_from(output.parent, paths[name]) for name in pngs}
     text = render_report(
         material,
         Pictures(
@@ -63,7 +62,7 @@ def report(
             labels=places.get("labels"),
             figures={title: places[name] for name, title in TITLES.items() if name in places},
             by_seed={
-                title: _of_seeds(folder, material.experiment.seeds, output)
+                title: _of_seeds(folder, material.experiment.seeds, output.parent)
                 for title, folder in ((ERRORS, errors), (FRAMES, frames))
             },
             tracks={title: places[name] for name, (title, _) in sheets.items()},
@@ -78,7 +77,7 @@ def report(
     )
 
 
-def _of_seeds(folder: Path, seeds: list[int], output: Path) -> dict[int, str]:
-    """The pictures that there are, seen from the report."""
+def _of_seeds(folder: Path, seeds: list[int], place: Path) -> dict[int, str]:
+    """The pictures that there are, seen from the report's place."""
     paths = {seed: folder / f"seed_{seed}.png" for seed in seeds}
-    return {seed: options.seen_from(output, path) for seed, path in paths.items() if path.is_file()}
+    return {seed: seen_from(place, path) for seed, path in paths.items() if path.is_file()}

@@ -1,10 +1,10 @@
 """What there are cards of, and how one card finds another."""
 
-import os
 from pathlib import Path
 
 from pipeline.data.dataset import Dataset
 from pipeline.data.lineage import Lineage
+from pipeline.output import seen_from
 from pipeline.policies.loading import policy_lineage
 
 
@@ -37,18 +37,14 @@ class Catalogue:
         and no card if it is not here.
         """
         card = self._cards.get(made.sha256)
-        seen = _seen_from(self._cards[card_of.sha256].parent, card) if card else None
+        seen = seen_from(self._cards[card_of.sha256].parent, card) if card else None
         name = card.stem if card else made.own.purpose
         return {"name": name, "card": seen, "sha256": made.sha256}
 
 
 def place(path: Path) -> str:
     """Where a dataset or policy is, as seen from here: a card never shows a whole path."""
-    return _seen_from(Path(), path)
-
-
-def _seen_from(folder: Path, path: Path) -> str:
-    return Path(os.path.relpath(path, folder)).as_posix()
+    return seen_from(Path(), path)
 
 
 def _with(folder: Path, part: str, what: str) -> list[Path]:

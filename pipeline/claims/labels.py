@@ -6,8 +6,8 @@ from itertools import product
 
 from pipeline.claims.findings import WORDS, Finding, Judge, Row, compare, rises
 from pipeline.claims.verdicts import Verdict
-from pipeline.evaluation.comparison import Contrast
-from pipeline.evaluation.curves import budget, cell, ended, families, last, yardstick
+from pipeline.evaluation.comparison import Contrast, naive
+from pipeline.evaluation.curves import budget, ended, families, last, yardstick
 from pipeline.evaluation.experiment import Experiment
 from pipeline.evaluation.wording import seeds_in_words
 
@@ -27,8 +27,8 @@ def is_as_reliable(found: Contrast, margin: float = MARGIN) -> bool | None:
 
 def against(curves: Experiment, run: str, other: str, judge: Judge = is_as_reliable) -> Finding:
     """The success of a run at its end against another's, in all conditions together."""
-    cells = cell(curves, run), cell(curves, other)
-    found = compare(curves, Row("success", "success", *cells, judge, pairs=TRACKS))
+    mine, theirs = (naive(curves, each, last(curves, each)) for each in (run, other))
+    found = compare(curves, Row("success", "success", mine, theirs, judge, pairs=TRACKS))
     drives = [curves.among(run=each, iteration=last(curves, each)) for each in (run, other)]
     seeds = sorted(set.intersection(*(set(each.seed) for each in drives)))
     if not seeds:

@@ -18,7 +18,7 @@ from pipeline.claims.findings import (
     unknown,
 )
 from pipeline.driving.metrics import METRICS
-from pipeline.evaluation.comparison import Cell, contrast, estimate
+from pipeline.evaluation.comparison import Cell, contrast, estimate, naive
 from pipeline.evaluation.experiment import Experiment, mean
 from pipeline.evaluation.wording import count, in_condition, laps, seeds_in_words
 from pipeline.metric import SPENT
@@ -140,11 +140,6 @@ def needs_fewer_queries(experiment: Experiment, run: str, rival: str) -> Finding
         f"{other} at its best: {laps(far[best])} laps after {count(spent)} queries; {name} as "
         f"far, within {MARGIN:g}: {when}",
     )
-
-
-def naive(experiment: Experiment, run: str, iteration: int) -> Cell:
-    """The naive drives of all conditions."""
-    return Cell(run, (iteration,), Strategy.NAIVE, tuple(experiment.conditions))
 
 
 def _missing(drives: pd.DataFrame) -> "pd.Series[bool]":

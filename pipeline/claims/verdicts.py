@@ -20,7 +20,7 @@ from pipeline.claims.findings import (
     unknown,
 )
 from pipeline.driving.metrics import METRICS
-from pipeline.evaluation.comparison import Cell
+from pipeline.evaluation.comparison import Cell, naive
 from pipeline.evaluation.experiment import Experiment
 from pipeline.evaluation.wording import in_condition
 from pipeline.rollout.strategies import Strategy
@@ -264,8 +264,8 @@ def _is_ahead(experiment: Experiment, run: str, other: str) -> Rule:
         Row(
             f"naive laps, {names}, iteration {last}",
             "laps",
-            rules.naive(experiment, run, last),
-            rules.naive(experiment, other, last),
+            naive(experiment, run, last),
+            naive(experiment, other, last),
             exceeds,
         )
     )

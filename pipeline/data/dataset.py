@@ -180,7 +180,10 @@ class Dataset:
         for name in names:
             if name in self.cameras or not (self.has(name) or name in CORE):
                 raise ValueError(f"{self.path}: has no column {name!r} of numbers or text")
-        there = self._read([name for name in names if self.has(name)])
+        stored_features = self.features | LEROBOT_COLUMNS
+        there = stored.numbers(
+            self.data_files, {name: stored_features[name] for name in names if self.has(name)}
+        )
         return {name: there[name] if name in there else self._derived(name) for name in names}
 
     def column(self, name: str) -> NDArray:
@@ -201,11 +204,6 @@ class Dataset:
     def has(self, name: str) -> bool:
         """Whether the column is stored, not only derived."""
         return name in self.features or name in LEROBOT_COLUMNS
-
-    def _read(self, names: list[str]) -> dict[str, NDArray]:
-        return stored.numbers(
-            self.data_files, {name: (self.features | LEROBOT_COLUMNS)[name] for name in names}
-        )
 
     def _derived(self, name: str) -> NDArray:
         """A core column that nobody wrote down."""

@@ -47,6 +47,11 @@ class Cell:
     """of the experiment's"""
 
 
+def naive(experiment: Tables, run: str, iteration: int, *conditions: str) -> Cell:
+    """The naive drives of a run after an iteration, in some conditions, or in all together."""
+    return Cell(run, (iteration,), Strategy.NAIVE, conditions or tuple(experiment.conditions))
+
+
 @dataclass(frozen=True)
 class Contrast:
     """A metric in two cells, over the situations that both have."""

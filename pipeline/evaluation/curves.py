@@ -7,11 +7,10 @@ from collections import defaultdict
 from functools import partial
 
 from pipeline.driving.metrics import METRICS
-from pipeline.evaluation.comparison import Cell, estimate
+from pipeline.evaluation.comparison import estimate, naive
 from pipeline.evaluation.drives import column
 from pipeline.evaluation.experiment import Experiment
 from pipeline.evaluation.statistics import Estimate, exact
-from pipeline.rollout.strategies import Strategy
 
 
 def ended(curves: Experiment) -> list[str]:
@@ -51,15 +50,9 @@ def yardstick(curves: Experiment) -> str | None:
     return max(dagger, key=partial(budget, curves), default=None) if ended(curves) else None
 
 
-def cell(curves: Experiment, run: str, *conditions: str, iteration: int | None = None) -> Cell:
-    """A run's drives in some conditions, or in all together; at its end, or after an iteration."""
-    after = last(curves, run) if iteration is None else iteration
-    return Cell(run, (after,), Strategy.NAIVE, conditions or tuple(curves.conditions))
-
-
 def success(curves: Experiment, run: str, iteration: int, where: str) -> Estimate | None:
     """The share of the drives without a failure: of a single seed exact, over several by bootstrap."""
     drives = curves.among(run=run, iteration=iteration, condition=where)
     if drives.seed.nunique() != 1:
-        return estimate(curves, "success", cell(curves, run, where, iteration=iteration))
+        return estimate(curves, "success", naive(curves, run, iteration, where))
     return exact(int(column(drives, METRICS["success"].part).sum()), len(drives))

@@ -31,6 +31,9 @@ SUMMED = (
 """What a loop adds up of its ledgers."""
 
 
+TABLES = ("drives", "ledgers", "quality")
+
+
 def _no_steps() -> pd.DataFrame:
     return pd.DataFrame(columns=STEP)
 
@@ -78,7 +81,7 @@ class Tables:
 
     def keeping(self, keep: Callable[[pd.DataFrame], "pd.Series[bool]"]) -> Self:
         """The same with those rows alone that `keep` says of a table, by its STEP."""
-        tables = {name: getattr(self, name) for name in ("drives", "ledgers", "quality")}
+        tables = {name: getattr(self, name) for name in TABLES}
         return replace(self, **{name: table[keep(table)] for name, table in tables.items()})
 
     def of_seeds(self, *seeds: int) -> Self:
@@ -89,11 +92,7 @@ class Tables:
     def joined(parts: Iterable["Tables"]) -> "Tables":
         """All rows of all parts, by seed, run and iteration."""
         found = list(parts)
-        return Tables(
-            drives=_sorted(part.drives for part in found),
-            ledgers=_sorted(part.ledgers for part in found),
-            quality=_sorted(part.quality for part in found),
-        )
+        return Tables(**{name: _sorted(getattr(part, name) for part in found) for name in TABLES})
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

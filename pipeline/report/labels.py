@@ -6,8 +6,8 @@ import pandas as pd
 
 from pipeline.claims.labels import against
 from pipeline.driving.metrics import METRICS
-from pipeline.evaluation.comparison import contrast, estimate
-from pipeline.evaluation.curves import cell, ended, families, last, success
+from pipeline.evaluation.comparison import contrast, estimate, naive
+from pipeline.evaluation.curves import ended, families, last, success
 from pipeline.evaluation.drives import among
 from pipeline.evaluation.experiment import Experiment
 from pipeline.evaluation.wording import (
@@ -76,7 +76,7 @@ def by_seed(curves: Experiment) -> str:
 def _answer(curves: Experiment, run: str, best: str) -> str:
     """Whether it is as reliable, and the difference."""
     answer = ANSWERS[against(curves, run, best).holds]
-    gap = contrast(curves, "success", cell(curves, run), cell(curves, best))
+    gap = contrast(curves, "success", *(naive(curves, r, last(curves, r)) for r in (run, best)))
     form = FORMS[METRICS["success"].form].difference
     return f"{answer}, {interval(gap.difference, form)}" if gap else answer
 
@@ -85,7 +85,7 @@ def _row(curves: Experiment, title: str, run: str, iteration: int, answer: str) 
     drives = curves.among(run=run, iteration=iteration)
     spent = _spent(curves, run, iteration)
     failures = [
-        estimate(curves, "failures", cell(curves, run, where, iteration=iteration))
+        estimate(curves, "failures", naive(curves, run, iteration, where))
         for where in curves.conditions
     ]
     amount = FORMS[METRICS["failures"].form].value

@@ -4,11 +4,10 @@ from collections.abc import Iterator
 
 from pipeline.claims.findings import PAIRS
 from pipeline.driving.metrics import METRICS
-from pipeline.evaluation.comparison import Cell, contrast, estimate
+from pipeline.evaluation.comparison import contrast, estimate, naive
 from pipeline.evaluation.experiment import Tables
 from pipeline.evaluation.reading import SCRATCH, WARM
 from pipeline.evaluation.wording import FORMS, NOTHING, in_condition, interval, table
-from pipeline.rollout.strategies import Strategy
 
 
 def warm_or_scratch(pairs: Tables) -> str:
@@ -29,7 +28,7 @@ def _rows(pairs: Tables, metric: str, words: str, iteration: int) -> Iterator[li
     """In each condition."""
     form = FORMS[METRICS[metric].form]
     for where in pairs.conditions:
-        warm, scratch = (Cell(r, (iteration,), Strategy.NAIVE, (where,)) for r in (WARM, SCRATCH))
+        warm, scratch = (naive(pairs, run, iteration, where) for run in (WARM, SCRATCH))
         values = [interval(estimate(pairs, metric, each), form.value) for each in (warm, scratch)]
         found = contrast(pairs, metric, scratch, warm)
         gap = interval(found.difference, form.difference) if found else NOTHING
@@ -38,9 +37,7 @@ def _rows(pairs: Tables, metric: str, words: str, iteration: int) -> Iterator[li
 
 def _further(pairs: Tables, iteration: int) -> str:
     """By the naive laps over all conditions, in pairs."""
-    over_all = Strategy.NAIVE, tuple(pairs.conditions)
-    scratch, warm = (Cell(run, (iteration,), *over_all) for run in (SCRATCH, WARM))
-    found = contrast(pairs, "laps", scratch, warm)
+    found = contrast(pairs, "laps", *(naive(pairs, run, iteration) for run in (SCRATCH, WARM)))
     if found is None:
         return f"On D_{iteration}, no start was given to both."
     gap = found.difference
