@@ -42,24 +42,19 @@ def pairs(a: Dataset, b: Dataset, number: int = 0) -> list[Pair]:
             f"{b.path} has {b.fps} frames per second, expected the {a.fps} of {a.path}"
         )
     of_a, of_b = _on_each_track(a, number), _on_each_track(b, number)
-    found = [_pair(track, (a, *of_a[track]), (b, *of_b[track])) for track in of_a if track in of_b]
+    found = []
+    for track in [track for track in of_a if track in of_b]:
+        (i, drive_a), (j, drive_b) = of_a[track], of_b[track]
+        title = (
+            f"{track}: a is {a.path.name}, episode {i}{ending(a, i)}; "
+            f"b is {b.path.name}, episode {j}{ending(b, j)}"
+        )
+        name = f"{track}/{a.path.name}_{i}/{b.path.name}_{j}"
+        sides = _side(a, drive_a), _side(b, drive_b)
+        found.append(Pair(title, name, track_of(drive_a.task), *sides))
     if not found:
         raise ValueError(f"{a.path} and {b.path} have no drive {number} on a track that is in both")
     return found
-
-
-def _pair(
-    track: str, of_a: tuple[Dataset, int, Episode], of_b: tuple[Dataset, int, Episode]
-) -> Pair:
-    (a, i, drive_a), (b, j, drive_b) = of_a, of_b
-    return Pair(
-        f"{track}: a is {a.path.name}, episode {i}{ending(a, i)}; "
-        f"b is {b.path.name}, episode {j}{ending(b, j)}",
-        f"{track}/{a.path.name}_{i}/{b.path.name}_{j}",
-        track_of(drive_a.task),
-        _side(a, drive_a),
-        _side(b, drive_b),
-    )
 
 
 def _side(dataset: Dataset, drive: Episode) -> Side:

@@ -22,10 +22,9 @@ from pipeline.metric import shown
 from pipeline.report import labels, tables
 from pipeline.report.gaps import gaps
 from pipeline.report.headline import headline, standing
-from pipeline.report.limits import limits
 from pipeline.report.material import Material
 from pipeline.report.scratch import warm_or_scratch
-from pipeline.report.shortfalls import falls_short
+from pipeline.report.shortfalls import falls_short, limits
 
 
 @dataclass(frozen=True)

@@ -1,13 +1,26 @@
-"""Where a run does less than all laps without damage, and how the drives ended there."""
+"""Where a run falls short: its drives, and what SafeDAgger is short of however these went, beside what is
+ideal, and beside DAgger.
+"""
+
+from collections.abc import Iterator
 
 import pandas as pd
 
 from pipeline.driving.metrics import METRICS
-from pipeline.evaluation.experiment import Experiment
+from pipeline.evaluation.experiment import ROLLOUT, Experiment, mean
 from pipeline.evaluation.summary import measure
-from pipeline.evaluation.wording import in_condition, table, written
-from pipeline.metric import shown
-from pipeline.report.tables import left_the_road, most_laps, stopped_short
+from pipeline.evaluation.wording import NOTHING, in_condition, table, written
+from pipeline.metric import QUALITY, shown
+from pipeline.report.tables import (
+    NAIVE,
+    OPTIMAL,
+    SAFE,
+    estimates,
+    left_the_road,
+    most_laps,
+    stopped_short,
+)
+from pipeline.rollout.strategies import Strategy
 
 HEADER = ["Seed", "Case", "Laps", "Damage per lap", "Left the road", "Stopped short", "Hit"]
 
@@ -55,3 +68,69 @@ def _row(case: list[str], drives: pd.DataFrame) -> list[str]:
         *(written(METRICS[name], found[name]) for name in ("laps", "damage_per_lap")),
         *(f"{drives[name].sum()} of {len(drives)}" for name in ("left", "stopped", "hit")),
     ]
+
+
+def limits(experiment: Experiment, ours: str) -> str:
+    """A point for each thing that was measured; empty where there is none."""
+    last = experiment.iterations(ours)[-1]
+    points = [
+        *_unsafe_frames(experiment, ours),
+        *_takeover(experiment, ours, last),
+        *_steering(experiment, ours, last),
+    ]
+    return "\n".join(f"- {point}" for point in points)
+
+
+def _unsafe_frames(experiment: Experiment, ours: str) -> Iterator[str]:
+    """How many the safety policies found, in the rollouts that they decided about."""
+    recall, auroc = (_range(experiment, ours, name) for name in ("recall", "auroc"))
+    if recall and auroc:
+        yield (
+            "In the rollouts that they decided about, its safety policies called unsafe "
+            f"{recall} of the truly unsafe frames (recall), with an AUROC of {auroc} (1 is perfect, "
+            "0.5 is chance): means over the seeds, lowest and highest of the iterations."
+        )
+
+
+def _takeover(experiment: Experiment, ours: str, last: int) -> Iterator[str]:
+    learned, optimal = (
+        _pair(experiment, "takeover", ours, last, strategy) for strategy in (SAFE, OPTIMAL)
+    )
+    if learned and optimal:
+        yield (
+            f"After iteration {last}, the reference drives {learned} of the time (without and with "
+            f"traffic) under its learned safety policies, and {optimal} under the optimal one (Eq. 2), "
+            "where it drives whenever the primary truly deviates."
+        )
+
+
+def _steering(experiment: Experiment, ours: str, last: int) -> Iterator[str]:
+    """Beside the first DAgger that there is."""
+    rivals = [run for run in experiment.runs if experiment.specs[run].strategy == "dagger"]
+    for rival in rivals[:1]:
+        mine, theirs = (
+            _pair(experiment, "steering_mse", run, last, NAIVE) for run in (ours, rival)
+        )
+        if mine and theirs:
+            yield (
+                f"After iteration {last}, the steering MSE of its primary, driven naively, is {mine} "
+                f"(without and with traffic), and {theirs} in {experiment.title(rival)}."
+            )
+
+
+def _range(experiment: Experiment, ours: str, name: str) -> str:
+    """Of one of QUALITY in the rollouts, over the iterations; empty where it is not known."""
+    metric = QUALITY[name]
+    means = [
+        mean(experiment.quality, metric, run=ours, iteration=iteration, judged_on=ROLLOUT)
+        for iteration in experiment.iterations(ours)
+    ]
+    known = [value for value in means if value is not None]
+    ends = [written(metric, end(known)) for end in (min, max)] if known else []
+    return " to ".join(dict.fromkeys(ends))
+
+
+def _pair(experiment: Experiment, metric: str, run: str, iteration: int, strategy: Strategy) -> str:
+    """In each condition; empty where one is not known."""
+    found = estimates(experiment, metric, run, iteration, strategy)
+    return "" if NOTHING in found else " and ".join(found)

@@ -10,21 +10,24 @@ import numpy as np
 import pytest
 from matplotlib.figure import Figure
 
-from pipeline.evaluation.experiment import Experiment
+from pipeline.evaluation.experiment import ROLLOUT, Experiment
 from pipeline.inspection.canvas import png
 from pipeline.report.figures import (
     TITLES as FIGURES,
 )
 from pipeline.report.figures import (
+    calibration,
     cost,
     driving,
     optimal,
     over_the_iterations,
+    pooled,
     result,
     takeover,
 )
 from tests.evaluation.made_up import (
     FULL,
+    GOOD,
     GROWING,
     NOTHING,
     SLOW,
@@ -247,3 +250,25 @@ def test_the_panel_that_matters_names_its_lines_and_where_they_were_full_first()
     assert not any(axes.texts for axes in others)
     above, below = (found[name] for name in ("SafeDAgger: 3 laps at 7,000", "DAgger"))
     assert above.y0 >= below.y1 and above.x0 > first.bbox.x1 and above.x1 < figure.bbox.x1
+
+
+def test_older_metrics_have_no_picture() -> None:
+    assert calibration(experiment(GOOD)) is None
+
+
+def test_each_iteration_has_a_line_on_what_was_measured() -> None:
+    bins = [[0.1, 0.2, 30.0], [0.6, 0.5, 10.0]]
+    made_up = experiment(GOOD)
+    rows = made_up.quality.assign(judged_on=ROLLOUT, calibration=[bins] * len(made_up.quality))
+    figure = calibration(replace(made_up, quality=rows))
+    assert figure is not None
+    held_out, rollout = figure.axes
+    assert len(held_out.get_lines()) == 1  # the diagonal
+    _, *lines = rollout.get_lines()
+    assert [line.get_label() for line in lines] == [f"iteration {i}" for i in range(4)]
+    assert list(lines[0].get_ydata()) == [0.2, 0.5]
+
+
+def test_bins_of_several_seeds_are_those_of_all_their_frames() -> None:
+    found = pooled([[[0.12, 0.0, 10], [0.95, 1.0, 5]], [[0.18, 0.5, 30], [1.0, 0.0, 5]]])
+    assert found == [pytest.approx([0.165, 0.375, 40]), pytest.approx([0.975, 0.5, 10])]

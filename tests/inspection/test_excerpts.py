@@ -4,7 +4,7 @@ import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 
-from pipeline.inspection.takeovers import Takeover, takeovers
+from pipeline.inspection.excerpts import Takeover, takeovers
 
 FRAMES = st.tuples(
     st.booleans(),
