@@ -60,16 +60,14 @@ def columns_of(observation: Observation) -> dict[str, NDArray]:
 def features_of(
     observation: Dict, action: Box, *, seen: Sequence[str] = (), does: Sequence[str]
 ) -> dict[str, Feature]:
-    """The columns of what an environment shows, and the core columns, as LeRobot describes them.
+    """The columns of what an environment shows, and the core columns, as LeRobot describes them; ValueError
+    unless there are as many names as numbers.
 
     Args:
         observation: the space of an `Observation`.
         action: the space of an `Action`; where it is bounded, its numbers are measured by that.
         seen: what the numbers of "agent_pos" are, with units: "speed [m/s]".
         does: what those of the action are.
-
-    Raises:
-        ValueError: as many names as numbers are expected.
     """
     pixels = observation.spaces.get("pixels", Dict())
     cameras = pixels.spaces if isinstance(pixels, Dict) else {"": pixels}

@@ -18,11 +18,7 @@ _NEW = 60.0  # [s] that a folder is left alone whose lock may not be taken yet
 @contextmanager
 def new_directory(path: Path) -> Iterator[Path]:
     """A free path in a scratch folder beside `path`; what the block puts there becomes `path` if it
-    ends well.
-
-    Raises:
-        FileExistsError: there is something at `path`, before the block is entered.
-        ValueError: nothing can be written there, as `check_place`.
+    ends well. Raises as `check_place`, before the block is entered.
     """
     check_place(path)
     with _scratch(path.parent) as scratch:
@@ -39,11 +35,8 @@ def write_file(path: Path, content: bytes) -> None:
 
 def check_place(*paths: Path | None) -> None:
     """Try, before any work is done, whether something new can be written at each of `paths`, but
-    None.
-
-    Raises:
-        FileExistsError: there is something at one of them.
-        ValueError: a name is too long, a folder is a file, or cannot be written into.
+    None. FileExistsError where there is something at one of them; ValueError where a name is too long, a
+    folder is a file, or cannot be written into.
     """
     for path in filter(None, paths):
         try:

@@ -34,10 +34,8 @@ MEASURES = {
 
 
 def find(what: str, name: str, known: Mapping[str, str]) -> Any:
-    """What is `known` by a name, or named as "module:attribute".
-
-    Raises:
-        ValueError: there is none; `what` is what was looked for.
+    """What is `known` by a name, or named as "module:attribute"; a ValueError calls what was looked for
+    `what`, where there is none.
     """
     module, _, attribute = known.get(name, name).partition(":")
     try:

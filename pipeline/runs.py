@@ -31,11 +31,7 @@ BESIDE = ("tau", "scratch")
 
 
 class Run(BaseModel):
-    """One run; it has as many iterations as its budgets.
-
-    Raises:
-        ValidationError: a field is unknown, missing or out of its range.
-    """
+    """One run; it has as many iterations as its budgets."""
 
     model_config = ConfigDict(extra="forbid", frozen=True)
 
@@ -172,10 +168,8 @@ class Reliability(BaseModel):
 class Comparison(BaseModel):
     """All runs by their names, the first of which sets the safety policy of the supervised stage.
 
-    Raises:
-        ValidationError: there is none, one has a name of BESIDE or is a variant, or of a protocol,
-            that there is not, several are trained from scratch, or the first has no supervised stage
-            that others could share.
+    None is called as one of BESIDE, or is a variant, or of a protocol, that there is not; one is trained
+    from scratch at most, and the first has a supervised stage that others can share.
     """
 
     model_config = ConfigDict(extra="forbid", frozen=True)
@@ -225,11 +219,8 @@ class Comparison(BaseModel):
 
 
 def read_params(path: Path) -> dict[str, Any]:
-    """What is in params.yaml, or another file of names with values.
-
-    Raises:
-        FileNotFoundError: there is none.
-        ValueError: it is no YAML.
+    """What is in params.yaml, or another file of names with values; FileNotFoundError where there is none,
+    ValueError where it is no YAML.
     """
     if not path.is_file():
         raise FileNotFoundError(f"{path}: no such file, expected YAML")

@@ -34,10 +34,8 @@ class Setting:
 class Settings:
     """A frozen dataclass: its fields with a `Setting` are what commands take.
 
-    A subclass with a `__post_init__` of its own calls this one first.
-
-    Raises:
-        ValueError: a number is out of its range, or a word is none of those that there are.
+    A subclass with a `__post_init__` of its own calls this one first. ValueError where a number is out of
+    its range, or a word is none of those that there are.
     """
 
     def __post_init__(self) -> None:

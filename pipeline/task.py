@@ -64,10 +64,6 @@ class Task(Settings, ABC):
 
 
 def load_task(name: str) -> type[Task]:
-    """The task of this name: one of TASKS, or "module:class".
-
-    Raises:
-        ValueError: there is none.
-    """
+    """The task of this name: one of TASKS, or "module:class"; ValueError where there is none."""
     found: type[Task] = find_subclass("task", name, TASKS, Task)
     return found

@@ -87,6 +87,7 @@ Loops = Annotated[Path, typer.Option(help="The loops of dvc.yaml, as `plan` unro
 Pipeline = Annotated[
     Path, typer.Option(help="What takes the parameters: only names in it are known.")
 ]
+Iteration = Annotated[int, typer.Option(min=1, help="The iteration that this is for.")]
 Seed = Annotated[
     int, typer.Option(min=0, help="Of every random choice: equal seeds give equal bytes.")
 ]

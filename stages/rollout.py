@@ -26,9 +26,7 @@ def rollout(
     frames: Annotated[
         int, typer.Option(min=1, help="... or so many frames have been driven.")
     ] = 40_000,
-    iteration: Annotated[
-        int, typer.Option(min=1, help="The iteration of Algorithm 1 that this is for.")
-    ] = 1,
+    iteration: options.Iteration = 1,
     metrics: options.MetricsIfAny = None,
     seed: options.Seed = 0,
     workers: options.Workers = None,

@@ -18,7 +18,7 @@ def rollout_dagger(
     beta: Annotated[
         float, typer.Option(min=0, max=1, help="Probability that the reference drives a frame.")
     ] = 0.0,
-    iteration: Annotated[int, typer.Option(min=1, help="The iteration that this is for.")] = 1,
+    iteration: options.Iteration = 1,
     seed: options.Seed = 0,
     workers: options.Workers = None,
     hold: options.Hold = None,

@@ -199,4 +199,6 @@ def _write_metadata(
     for name in ("meta/episodes/chunk_index", "meta/episodes/file_index"):
         table[name] = np.zeros(len(lengths), np.int64)
     layout.write_statistics(root, known)
-    layout.write_table(root / layout.EPISODES_FILE, pa.table(table))
+    file = root / layout.EPISODES_FILE
+    file.parent.mkdir(parents=True)
+    pq.write_table(pa.table(table), file, compression="snappy")

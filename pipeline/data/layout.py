@@ -7,7 +7,6 @@ from typing import Any
 
 import numpy as np
 import pyarrow as pa
-import pyarrow.parquet as pq
 from numpy.typing import NDArray
 
 from pipeline.data.schema import LEROBOT_COLUMNS, PICTURES, Feature
@@ -147,9 +146,3 @@ def episode_statistic(values: NDArray, *, picture: bool) -> pa.Array:
     if picture:
         return to_arrow(values[..., None, None], pa.list_(pa.list_(kind)))
     return to_arrow(values, kind)
-
-
-def write_table(file: Path, table: pa.Table) -> None:
-    """One parquet file, compressed as LeRobot's are."""
-    file.parent.mkdir(parents=True, exist_ok=True)
-    pq.write_table(table, file, compression="snappy")

@@ -72,15 +72,14 @@ class Driver:
         *,
         hold: int = 1,
         device: torch.device = CPU,
-        bfloat16: bool = True,
     ) -> Self:
         """The policies saved in two directories, such as models/primary_0 and models/safety_0, to
         compute on `device`. ValueError where files are missing, of another kind of policy, or do not
         fit; where `safety` watches another primary; or as `Driver`.
         """
         if safety is None:
-            return cls(load_primary(primary, device=device), hold=hold, bfloat16=bfloat16)
-        return cls(*load_pair(primary, safety, device), hold=hold, bfloat16=bfloat16)
+            return cls(load_primary(primary, device=device), hold=hold)
+        return cls(*load_pair(primary, safety, device), hold=hold)
 
     def check_task(self, name: str, features: Mapping[str, Feature]) -> None:
         """Check that a task with these columns shows what the primary sees, and does what it does: a

@@ -15,6 +15,7 @@ from pipeline.driving.features import CAMERA, FEATURES
 from pipeline.driving.network import LossWeights, PrimaryNetwork
 from pipeline.driving.policy import PrimaryConfig, PrimaryPolicy
 from pipeline.policies.inference import Driver
+from pipeline.policies.loading import load_primary
 
 torch.set_num_threads(1)
 
@@ -58,7 +59,7 @@ def test_it_is_loaded_as_it_was_saved(saved, capsys):
 def test_it_acts_as_the_driver_does(saved):
     image = np.random.default_rng(0).integers(0, 256, (72, 160, 3), dtype=np.uint8)
     policy = PrimaryPolicy.from_pretrained(saved)
-    driver = Driver.load(saved, bfloat16=False)
+    driver = Driver(load_primary(saved), bfloat16=False)
     assert driver.primary.brake_cut == 0.6
     batch = {CAMERA: torch.from_numpy(image).permute(2, 0, 1)[None] / 255}
     action = policy.select_action(batch)
