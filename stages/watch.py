@@ -55,10 +55,10 @@ def watch(
         name = f"{track.name}/{how}/{seed}"
         title = f"{how}, {plan.description}, seed {seed}"
         with new_recording(name, title, track, sink.connect) as recording:
-            tracer = drive_tracer(
+            send = drive_tracer(
                 recording, fps=fps, judgement=judgement, camera=COMPRESSED if save else RAW
             )
-            show = saved.append if save else tracer.send
+            show = saved.append if save else send
             with suppress(KeyboardInterrupt), options.progress(track.name, 1) as advance_to:
                 for footage, tally in frames if save else in_real_time(frames, fps):
                     if not sink.is_open():
@@ -66,5 +66,5 @@ def watch(
                     show(footage)
                     advance_to(tally.done)
             if saved:
-                tracer.send(Footage.joined(saved))
+                send(Footage.joined(saved))
             typer.echo(tally)

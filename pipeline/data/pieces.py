@@ -32,11 +32,6 @@ class Piece:
         """Of its episode."""
         return self.dataset.tasks[self.episode]
 
-    @property
-    def is_whole(self) -> bool:
-        """Whether it is all of its episode."""
-        return (self.start, self.stop) == self.dataset.bounds[self.episode]
-
 
 def whole(dataset: Dataset) -> list[Piece]:
     """A piece for each episode."""

@@ -13,7 +13,7 @@ from pipeline.inspection.excerpts import Excerpt
 from pipeline.inspection.footage import Footage, track_of
 from pipeline.inspection.pairs import Pair
 from pipeline.inspection.rerun_top_view import log_track, top_view
-from pipeline.inspection.rerun_traces import COMPRESSED, Trace, Tracer, dots, lane, level, line
+from pipeline.inspection.rerun_traces import COMPRESSED, Trace, dots, lane, level, line, tracer
 from pipeline.rollout.judgement import Judgement
 
 APPLICATION = "safedagger"
@@ -31,7 +31,7 @@ def log_excerpt(excerpt: Excerpt, connect: Connect, *, fps: int) -> None:
     footage = Footage.of_episode(excerpt.episode, excerpt.first_frame, excerpt.judgement)
     track = track_of(excerpt.episode.task)
     with new_recording(excerpt.name, excerpt.title, track, connect) as recording:
-        drive_tracer(recording, fps=fps, judgement=excerpt.judgement).send(footage)
+        drive_tracer(recording, fps=fps, judgement=excerpt.judgement)(footage)
 
 
 def log_pair(pair: Pair, connect: Connect, *, fps: int) -> None:
@@ -39,8 +39,8 @@ def log_pair(pair: Pair, connect: Connect, *, fps: int) -> None:
     drives = {"a/": (*pair.a, (BLUE, RED)), "b/": (*pair.b, (LIGHT_BLUE, ORANGE))}
     with new_recording(pair.name, pair.title, pair.track, connect) as recording:
         for root, (footage, judgement, colors) in drives.items():
-            tracer = drive_tracer(recording, fps=fps, judgement=judgement, root=root, colors=colors)
-            tracer.send(footage)
+            send = drive_tracer(recording, fps=fps, judgement=judgement, root=root, colors=colors)
+            send(footage)
 
 
 @contextmanager
@@ -67,8 +67,8 @@ def drive_tracer(
     root: str = "",
     colors: tuple[int, int] = (BLUE, RED),
     camera: Trace = COMPRESSED,
-) -> Tracer:
-    """What sends all that is shown of a drive; for `recording` and `root` see `Tracer`.
+) -> Callable[[Footage], None]:
+    """What sends all that is shown of a drive; for `recording` and `root` see `tracer`.
 
     The judgement's cut is drawn with the safe probability, its tau with the deviation; None where there
     is no safety policy. In the top view the `colors` are of the primary's and of the reference's driving.
@@ -93,7 +93,7 @@ def drive_tracer(
         line("distance/distance_ahead", RED, _affordance("distance_ahead")),
         line("distance/distance_right", GREEN, _affordance("distance_right")),
     ]
-    return Tracer(recording, traces, fps=fps, root=root)
+    return tracer(recording, traces, fps=fps, root=root)
 
 
 def _judged(judgement: Judgement | None) -> list[Trace]:

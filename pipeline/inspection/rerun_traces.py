@@ -29,33 +29,28 @@ class Trace:
     first (rerun-io/rerun#12763)."""
 
 
-class Tracer:
-    """Sends a drive to a connected recording, on the timelines `frame_index` and `timestamp`; `root`
-    is in front of every entity, where a recording has several drives: "a/", say.
+def tracer(
+    recording: rr.RecordingStream, traces: list[Trace], *, fps: int, root: str = ""
+) -> Callable[[Footage], None]:
+    """What sends the next frames of a drive, one or many, to a connected recording, on the timelines
+    `frame_index` and `timestamp`; `root` is in front of every entity, where a recording has several
+    drives: "a/", say.
     """
+    for trace in traces:
+        if trace.look is not None:
+            recording.log(root + trace.entity, trace.look, static=True)
 
-    def __init__(
-        self, recording: rr.RecordingStream, traces: list[Trace], *, fps: int, root: str = ""
-    ) -> None:
-        self._recording = recording
-        self._traces = traces
-        self._fps = fps
-        self._root = root
+    def send(footage: Footage) -> None:
         for trace in traces:
-            if trace.look is not None:
-                recording.log(root + trace.entity, trace.look, static=True)
-
-    def send(self, footage: Footage) -> None:
-        """Send the next frames, one or many."""
-        for trace in self._traces:
             for start in range(0, len(footage), trace.at_once):
                 some = footage.rows(start, min(start + trace.at_once, len(footage)))
                 times = [
                     rr.TimeColumn("frame_index", sequence=some.frame),
-                    rr.TimeColumn("timestamp", duration=some.frame / self._fps),
+                    rr.TimeColumn("timestamp", duration=some.frame / fps),
                 ]
-                entity = self._root + trace.entity
-                self._recording.send_columns(entity, times, trace.columns(some))
+                recording.send_columns(root + trace.entity, times, trace.columns(some))
+
+    return send
 
 
 def line(

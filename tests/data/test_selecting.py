@@ -34,7 +34,6 @@ def test_runs_cover_the_chosen_rows_and_are_as_long_as_can_be(rows: list[bool]) 
 def test_no_piece_reaches_over_the_end_of_an_episode(rollout_1: Dataset) -> None:
     everything = chosen(rollout_1, np.ones(len(rollout_1), bool))
     assert [(piece.start, piece.stop) for piece in everything] == rollout_1.bounds
-    assert all(piece.is_whole for piece in everything)
 
 
 def test_selection_keeps_what_was_asked_as_it_was(

@@ -137,11 +137,11 @@ def test_frame_by_frame_gives_what_is_there_at_the_end(driver: Driver, tmp_path:
         into_file(path, live_blueprint(fps)) as sink,
         new_recording("live", "Live", make_track(PLAN.scenario), sink.connect) as recording,
     ):
-        tracer = drive_tracer(
+        send = drive_tracer(
             recording, fps=fps, judgement=Judgement(0.5, 0.01, "steering"), camera=RAW
         )
         for footage in seen:
-            tracer.send(footage)
+            send(footage)
     (entry,) = recordings(path)
     images = record(PLAN, driver, 0, 0).episode.columns[CAMERA]
     buffers = column(path, entry, "/camera", "buffer")
