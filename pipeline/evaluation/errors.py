@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import PercentFormatter
 from numpy.typing import NDArray
 
-from pipeline.inspection.canvas import new_figure, styled
+from pipeline.inspection.canvas import new_figure
 
 LOWEST, HIGHEST = -9.0, 1.0  # of log10 of the deviation; what is beyond counts at the edge
 BINS = 50
@@ -38,8 +38,7 @@ def error_histogram(
     """
     if not 1 <= len(deviations) <= len(LOOKS):
         raise ValueError(f"there are {len(deviations)} sets, expected 1 to {len(LOOKS)}")
-    with styled():
-        figure = new_figure(5.6, 3.6)
+    with new_figure(5.6, 3.6) as figure:
         axes = figure.subplots()
         for (name, deviation), (colour, line, width) in zip(
             deviations.items(), LOOKS, strict=False

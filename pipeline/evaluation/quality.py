@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import PercentFormatter
 
 from pipeline.evaluation.wording import count, table, written
-from pipeline.inspection.canvas import new_figure, styled
+from pipeline.inspection.canvas import new_figure
 from pipeline.metric import QUALITY
 
 LARGEST = 120.0  # [points squared] of the marker of a bin that has all frames
@@ -32,8 +32,7 @@ def quality_table(rows: Sequence[Mapping[str, Any]]) -> str:
 def calibration_picture(rows: Sequence[Mapping[str, Any]]) -> Figure:
     """Predicted against observed, a line for each row with any frames."""
     error = QUALITY["calibration_error"]
-    with styled():
-        figure = new_figure(4.6, 4.4)
+    with new_figure(4.6, 4.4) as figure:
         draw_calibration(
             figure.subplots(),
             {

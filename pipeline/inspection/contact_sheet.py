@@ -10,7 +10,7 @@ import numpy as np
 from matplotlib.figure import Figure, SubFigure
 from numpy.typing import NDArray
 
-from pipeline.inspection.canvas import new_figure, styled
+from pipeline.inspection.canvas import new_figure
 
 COLUMNS = 5  # frames beside each other
 
@@ -49,8 +49,7 @@ def contact_sheet(title: str, safest: Sequence[Shown], least_safe: Sequence[Show
     rows = [-(-len(frames) // COLUMNS) for frames in panels.values()]
     if 0 in rows:
         raise ValueError("there are no frames, expected some safe and some unsafe ones")
-    with styled():
-        figure = new_figure(2.2 * COLUMNS, 1.4 * sum(rows) + 1.1)
+    with new_figure(2.2 * COLUMNS, 1.4 * sum(rows) + 1.1) as figure:
         figure.suptitle(title, fontsize=11, fontweight="bold")
         halves = figure.add_gridspec(2, 1, height_ratios=rows)
         for half, (name, frames) in enumerate(panels.items()):

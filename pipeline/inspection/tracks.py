@@ -44,8 +44,7 @@ def track_sheet(names: Sequence[str], title: str) -> Figure:
     extent = max(np.ptp([t.centreline.x, t.centreline.y], axis=1).max() for t in tracks)
     columns = min(len(tracks), COLUMNS)
     rows = -(-len(tracks) // columns)
-    with styled():
-        figure = new_figure(2.5 * columns, 4.1 * rows + 0.5)
+    with new_figure(2.5 * columns, 4.1 * rows + 0.5) as figure:
         figure.suptitle(title, fontsize=12, fontweight="bold")
         figure.supxlabel(("; " if columns > 2 else "\n").join(KEY), fontsize=9)
         outer = figure.add_gridspec(rows, columns, hspace=0.06)

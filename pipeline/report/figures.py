@@ -10,7 +10,7 @@ from pipeline.driving.metrics import METRICS
 from pipeline.evaluation.drives import among
 from pipeline.evaluation.experiment import HELD_OUT, ROLLOUT, Experiment
 from pipeline.evaluation.quality import draw_calibration
-from pipeline.inspection.canvas import new_figure, styled
+from pipeline.inspection.canvas import new_figure
 from pipeline.metric import BINS, shown
 from pipeline.report.looks import label
 from pipeline.report.panels import Line, Panel, draw
@@ -141,8 +141,7 @@ def calibration(experiment: Experiment) -> Figure | None:
     judged = judged[judged.calibration.map(len) > 0]
     if judged.empty:
         return None
-    with styled():
-        figure = new_figure(9.0, 4.2)
+    with new_figure(9.0, 4.2) as figure:
         for number, (on, title) in enumerate(JUDGED_ON.items(), 1):
             axes = figure.add_subplot(1, len(JUDGED_ON), number)
             rows = among(judged, judged_on=on).groupby("iteration").calibration

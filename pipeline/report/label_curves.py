@@ -11,7 +11,7 @@ from matplotlib.ticker import PercentFormatter
 from pipeline.claims.labels import MARGIN
 from pipeline.evaluation.curves import budget, families, last, success
 from pipeline.evaluation.experiment import Experiment, mean
-from pipeline.inspection.canvas import new_figure, styled
+from pipeline.inspection.canvas import new_figure
 from pipeline.metric import SPENT
 from pipeline.report.looks import draw_estimates, label, look, name_ends
 from pipeline.report.panels import APART
@@ -24,8 +24,7 @@ def label_curves(curves: Experiment, best: str) -> Figure:
     """Success against the labels in the loop, a panel for each condition; what lacks at most the margin
     to `best` is in the band. Dots stand a little apart, so that equal ones stay visible.
     """
-    with styled():
-        figure = new_figure(10.0, 3.0 * len(curves.conditions) + 0.5)
+    with new_figure(10.0, 3.0 * len(curves.conditions) + 0.5) as figure:
         for number, where in enumerate(curves.conditions, 1):
             axes = figure.add_subplot(len(curves.conditions), 1, number)
             _panel(axes, curves, best, where)

@@ -18,7 +18,7 @@ from pipeline.evaluation.drives import among
 from pipeline.evaluation.experiment import Experiment
 from pipeline.evaluation.statistics import Estimate
 from pipeline.evaluation.wording import written
-from pipeline.inspection.canvas import new_figure, styled
+from pipeline.inspection.canvas import new_figure
 from pipeline.metric import SPENT
 from pipeline.report.looks import draw_estimates, legend, look, name_ends, of_key
 from pipeline.rollout.strategies import Strategy
@@ -85,8 +85,7 @@ def draw(experiment: Experiment, panels: Sequence[Panel], columns: int) -> Figur
     same = [(each[0], v) for each, v in zip(driven, alike, strict=True) if v is not None]
     widths = [columns if panel.is_wide else 1 for panel, _ in shown]
     rows = -(-sum(widths) // columns)
-    with styled():
-        figure = new_figure(10.0, 2.5 * rows + 0.8)
+    with new_figure(10.0, 2.5 * rows + 0.8) as figure:
         for (panel, curves), width, end in zip(shown, widths, accumulate(widths), strict=True):
             axes = figure.add_subplot(rows, columns, (end - width + 1, end - panel.is_wide))
             for number, (line, found) in enumerate(curves.items()):
