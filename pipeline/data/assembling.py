@@ -109,7 +109,7 @@ def _pass_videos(root: Path, pieces: Sequence[Piece], camera: str) -> dict[str, 
         first = piece.dataset.bounds[piece.episode][0]
         begins.append(begin + (piece.start - first) / piece.dataset.fps)
     for file, number in files.items():
-        copy = root / layout.VIDEO_FILE.format(camera=camera, **layout.place(number))
+        copy = root / layout.VIDEO_FILE.format(video_key=camera, **layout.place(number))
         copy.parent.mkdir(parents=True, exist_ok=True)
         shutil.copyfile(file, copy)
     placed, starts = np.array(numbers, np.int64), np.array(begins, float)

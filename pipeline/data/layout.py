@@ -11,9 +11,9 @@ from numpy.typing import NDArray
 
 from pipeline.data.schema import LEROBOT_COLUMNS, PICTURES, Feature
 
-DATA_FILE = "data/chunk-{chunk:03d}/file-{number:03d}.parquet"
+DATA_FILE = "data/chunk-{chunk_index:03d}/file-{file_index:03d}.parquet"
 EPISODES_FILE = Path("meta/episodes/chunk-000/file-000.parquet")
-VIDEO_FILE = "videos/{camera}/chunk-{chunk:03d}/file-{number:03d}.mp4"
+VIDEO_FILE = "videos/{video_key}/chunk-{chunk_index:03d}/file-{file_index:03d}.mp4"
 CHUNK = 1000  # files in a folder
 FILE_MB = 100  # in a data file, about
 
@@ -21,8 +21,8 @@ _IMAGE = pa.struct([("bytes", pa.binary()), ("path", pa.string())])
 
 
 def place(number: int) -> dict[str, int]:
-    """The chunk and the number in it of the `number`th file of a kind."""
-    return {"chunk": number // CHUNK, "number": number % CHUNK}
+    """The chunk and the number in it of the `number`th file of a kind, by LeRobot's names."""
+    return {"chunk_index": number // CHUNK, "file_index": number % CHUNK}
 
 
 def arrow_schema(features: Mapping[str, Feature]) -> pa.Schema:
@@ -124,17 +124,9 @@ def info(
         "total_tasks": tasks,
         "chunks_size": CHUNK,
         "splits": {"train": f"0:{episodes}"},
-        "data_path": _template(DATA_FILE),
-        "video_path": _template(VIDEO_FILE) if videos else None,
+        "data_path": DATA_FILE,
+        "video_path": VIDEO_FILE if videos else None,
     }
-
-
-def _template(file: str) -> str:
-    """With LeRobot's names of what is filled in."""
-    named = {"{chunk:": "{chunk_index:", "{number:": "{file_index:", "{camera}": "{video_key}"}
-    for ours, theirs in named.items():
-        file = file.replace(ours, theirs)
-    return file
 
 
 def episode_statistic(values: NDArray, *, picture: bool) -> pa.Array:

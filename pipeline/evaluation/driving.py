@@ -34,7 +34,11 @@ def trials(task: Task, rules: Sequence[Rule], starts: int, *, seed: int) -> Iter
     """
     conditions = task.conditions
     told = [asdict(there) for there in conditions.values()]
-    varied = [name for name in told[0] if _differs([each[name] for each in told])]
+    varied = [
+        name
+        for name, first in told[0].items()
+        if isinstance(first, int | float) and len({each[name] for each in told}) > 1
+    ]
     for rule in rules:
         for (condition, there), settings in zip(conditions.items(), told, strict=True):
             for number, scenario in enumerate(there.scenarios):
@@ -70,8 +74,3 @@ def evaluate(trial: Trial, driver: Driver) -> dict[str, Any]:
         **{name: float(value) for name, value in frame.outcome.items()},
         "ended": frame.ended,
     }
-
-
-def _differs(values: Sequence[Any]) -> bool:
-    """Whether a setting is a number that is not the same in all conditions."""
-    return isinstance(values[0], int | float) and len(set(values)) > 1

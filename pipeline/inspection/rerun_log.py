@@ -85,7 +85,11 @@ def drive_tracer(
         line("action/primary_brake", LIGHT_BLUE, lambda frames: frames.primary_action[:, 1]),
         dots("action/reference_brake", ORANGE, lambda frames: frames.reference_action[:, 1]),
         line("safe_probability/safe_probability", GREEN, lambda frames: frames.safe_probability),
-        dots("safe_probability/reference_drives", RED, _drives),
+        dots(  # a row, low in the plot
+            "safe_probability/reference_drives",
+            RED,
+            lambda frames: np.where(frames.intervention, 0.03, np.nan),
+        ),
         line("speed/speed", GREEN, lambda frames: frames.vehicle_state[:, 3]),
         line("in_lane/lane_position", BLUE, _affordance("lane_position")),
         line("in_lane/lane_angle", RED, _affordance("lane_angle")),
@@ -150,8 +154,3 @@ def _lanes() -> list[Trace]:
 def _affordance(name: str) -> Callable[[Footage], NDArray[np.float32]]:
     column = AFFORDANCES.index(name)
     return lambda frames: frames.affordances[:, column]
-
-
-def _drives(footage: Footage) -> NDArray[np.float64]:
-    """A row of dots, low in a plot, where the reference drives."""
-    return np.where(footage.intervention, 0.03, np.nan)

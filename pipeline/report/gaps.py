@@ -16,7 +16,8 @@ def gaps(material: Material, pictures: Mapping[str, Mapping[int, str]]) -> list[
     """One line for each thing that is missing; `pictures` are those that each seed should have, title to
     seed to place.
     """
-    experiment = material.experiment
+    experiment, curves = material.experiment, material.curves
+    curves_lack = _missing_iterations(curves, [*curves.specs])
     return [
         *(
             _without_results(experiment, run)
@@ -33,7 +34,7 @@ def gaps(material: Material, pictures: Mapping[str, Mapping[int, str]]) -> list[
             for seed in experiment.seeds
             if seed not in places
         ),
-        *(f"Label curves: {each}" for each in _of_curves(material.curves)),
+        *(f"Label curves: {each}" for each in (*curves.left_out, *curves_lack)),
     ]
 
 
@@ -42,11 +43,6 @@ def _without_results(experiment: Experiment, run: str) -> str:
     waiting = sum(run in claim.runs for claim in claims(experiment))
     verdicts = f", hence no verdict on {waiting} claim{'s' * (waiting > 1)}" if waiting else ""
     return f"{experiment.title(run)}: no results{verdicts}."
-
-
-def _of_curves(curves: Experiment) -> Iterator[str]:
-    yield from curves.left_out
-    yield from _missing_iterations(curves, [*curves.specs])
 
 
 def _missing_iterations(experiment: Experiment, runs: Sequence[str]) -> Iterator[str]:
