@@ -18,11 +18,9 @@ def calibrate(
     network: SafetyNetwork, features: np.ndarray, safe: np.ndarray
 ) -> tuple[float, float]:
     """Stretch and shift a trained network's logits, in its last layer, to the likeliest probabilities: by
-    frames float [N, F] that it has not learned from, and whether they are safe, bool [N]. ValueError
-    where there are none.
-
-    Returns:
-        By what the difference of the logits (safe minus unsafe) was multiplied, then what was added.
+    frames float [N, F] that it has not learned from, and whether they are safe, bool [N]. Returned is by
+    what the difference of the logits (safe minus unsafe) was multiplied, then what was added. ValueError
+    where there are no frames.
     """
     if len(safe) == 0:
         raise ValueError("there are no frames to calibrate with, expected some")

@@ -24,20 +24,16 @@ _PROPOSED = 32
 
 
 class Driver:
-    """A primary policy and, where there is one, its safety policy, ready to drive one robot.
+    """A primary policy and, where there is one, its safety policy, ready to drive one robot; ValueError where
+    they do not fit each other, or a chunk is shorter than `hold`.
 
     It can be pickled. The networks are copies: training the originals further changes nothing here.
     They compute on the primary's device; what comes and goes is in the processor's memory.
 
     Args:
-        primary: a trained primary network.
-        safety: the safety network that was trained on what this primary looked at.
         hold: how many actions of a chunk are done, a frame each, before the next one is planned. The
             policies look at each frame nevertheless: the safety policy judges what is done there.
         bfloat16: whether the convolutions may compute in bfloat16, on processors that can.
-
-    Raises:
-        ValueError: `safety` does not fit the primary, or its chunk is shorter than `hold`.
     """
 
     def __init__(
