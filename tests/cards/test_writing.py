@@ -1,23 +1,16 @@
 """All cards at once: the same bytes each time, complete or not at all, and one line for bad input."""
 
-import re
-import sys
 from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 
-from stages import __main__ as cli
-from tests.data.conftest import tree
+from tests.command import run
+from tests.files import tree
 
-OPTIONS = {
-    "--datasets": "datasets",
-    "--models": "models",
-    "--metrics": "metrics",
-    "--action-repeat": "3",
-    "--dataset-cards": "cards/datasets",
-    "--model-cards": "cards/models",
-}
+CARDS = "cards --action-repeat 3"
+PLACES = "--datasets {0}datasets --models {0}models --metrics {0}metrics"
+OUTPUTS = "--dataset-cards {0}/datasets --model-cards {0}/models"
 
 
 def test_cards_have_stable_bytes_and_no_whole_paths(
@@ -29,17 +22,10 @@ def test_cards_have_stable_bytes_and_no_whole_paths(
 
 
 def test_whole_paths_as_arguments_are_not_shown(
-    house: Path, make_cards: Callable[..., Path], monkeypatch: pytest.MonkeyPatch
+    house: Path, make_cards: Callable[..., Path]
 ) -> None:
     expected = tree(make_cards("cards"))
-    paths = {"--datasets", "--models", "--metrics"}
-    given = {name: str(house / value) for name, value in OPTIONS.items() if name in paths}
-    outputs = {"--dataset-cards": "whole/datasets", "--model-cards": "whole/models"}
-    arguments = [word for pair in (OPTIONS | given | outputs).items() for word in pair]
-    monkeypatch.setattr(sys, "argv", ["safedagger", "cards", *arguments])
-    with pytest.raises(SystemExit) as exit_:
-        cli.main()
-    assert exit_.value.code == 0
+    assert run(f"{CARDS} {PLACES.format(f'{house}/')} {OUTPUTS.format('whole')}") == 0
     assert tree(house / "whole") == expected
 
 
@@ -51,73 +37,44 @@ def test_the_closing_line_counts_the_cards(
     assert said == "4 cards of datasets in cards/datasets, 2 of models in cards/models\n"
 
 
-def _no_lineage(house: Path) -> None:
-    (house / "datasets" / "D_1" / "safedagger.json").write_text("[3]")
-
-
-def _other_robot(house: Path) -> None:
-    info = house / "datasets" / "D_1" / "meta" / "info.json"
-    info.write_text(info.read_text().replace("brake", "throttle"))
-
-
-def _half_written(house: Path) -> None:
-    (house / "datasets" / "new_1" / "meta" / "info.json").unlink()
-
-
-def _no_weights(house: Path) -> None:
-    (house / "models" / "safety_0" / "model.safetensors").write_bytes(b"nonsense")
-
-
-def _no_policy(house: Path) -> None:
-    (house / "models" / "primary_0" / "config.json").write_text('{"type": "act"}')
-
-
-def _no_metrics(house: Path) -> None:
-    (house / "metrics" / "driving_0.json").write_text("[1, 2]")
-
-
-def _half_metrics(house: Path) -> None:
-    file = house / "metrics" / "safety_0.json"
-    file.write_text(file.read_text().replace('"auroc": 0.75', '"auroc": "high"'))
-
-
-def _existing(house: Path) -> None:
-    (house / "cards" / "models").mkdir(parents=True)
-
-
 @pytest.mark.parametrize(
-    ("spoil", "named"),
+    ("file", "content", "named"),
     [
-        (_no_lineage, "D_1/safedagger.json: "),
+        ("datasets/D_1/safedagger.json", "[3]", "D_1/safedagger.json: "),
         (
-            _other_robot,
+            *("datasets/D_1/meta/info.json", ("brake", "throttle")),
             "datasets/D_1: column 'action' is float32 [2] ['steering', 'throttle'], exp",
         ),
-        (_half_written, "datasets/new_1: not a dataset"),
-        (_no_weights, "models/safety_0/model.safetensors: "),
-        (_no_policy, "the policy's type is 'act', expected 'safedagger_primary'"),
-        (_no_metrics, "metrics/driving_0.json: the whole: Input should be "),
-        (_half_metrics, "metrics/safety_0.json: rows.0.auroc: Input should be a valid number"),
-        (_existing, "cards/models: exists already"),
+        ("datasets/new_1/meta/info.json", None, "datasets/new_1: not a dataset"),
+        ("models/safety_0/model.safetensors", "nonsense", "models/safety_0/model.safetensors: "),
+        (
+            *("models/primary_0/config.json", '{"type": "act"}'),
+            "the policy's type is 'act', expected 'safedagger_primary'",
+        ),
+        ("metrics/driving_0.json", "[1, 2]", "metrics/driving_0.json: the whole: Input should be "),
+        (
+            *("metrics/safety_0.json", ('"auroc": 0.75', '"auroc": "high"')),
+            "metrics/safety_0.json: rows.0.auroc: Input should be a valid number",
+        ),
+        ("cards/models", "", "cards/models: exists already"),
     ],
 )
 def test_bad_input_is_one_line_and_leaves_nothing(
-    spoil: Callable[[Path], None],
+    file: str,
+    content: str | tuple[str, str] | None,
     named: str,
     house: Path,
-    capsys: pytest.CaptureFixture[str],
-    monkeypatch: pytest.MonkeyPatch,
+    refused: Callable[..., str],
 ) -> None:
-    spoil(house)
-    before = tree(house)
-    arguments = [word for pair in OPTIONS.items() for word in pair]
-    monkeypatch.setattr(sys, "argv", ["safedagger", "cards", *arguments])
-    with pytest.raises(SystemExit) as exit_:
-        cli.main()
-    assert exit_.value.code == 2
-    error = capsys.readouterr().err
-    assert re.fullmatch(r"safedagger: .*\n", error) and named in error
-    assert tree(house) == before
+    """Of a file that is lost, or has another content, be it in one place."""
+    path = house / file
+    (house / "cards").mkdir()
+    if content is None:
+        path.unlink()
+    else:
+        changed = path.read_text().replace(*content) if isinstance(content, tuple) else content
+        path.write_text(changed)
+    assert named in refused(f"{CARDS} {PLACES.format('')} {OUTPUTS.format('cards')}", house)
 
 
 def test_an_empty_folder_is_refused(house: Path, make_cards: Callable[..., Path]) -> None:

@@ -1,6 +1,5 @@
 """Datasets that several tests read, written once."""
 
-import json
 from collections.abc import Callable
 from pathlib import Path
 
@@ -12,22 +11,6 @@ from pipeline.data.merging import merge
 from pipeline.data.schema import Episode
 from pipeline.data.selecting import select
 from tests.episodes import JUDGED, random_episode, write
-
-
-def tree(root: Path) -> dict[str, bytes]:
-    """Every file below `root` with its content."""
-    return {
-        str(file.relative_to(root)): file.read_bytes() for file in root.rglob("*") if file.is_file()
-    }
-
-
-def strict_json(file: Path) -> dict:
-    """The content of a JSON file, which must not hold NaN or Infinity."""
-
-    def refuse(constant: str) -> None:
-        raise ValueError(f"{file} has {constant}")
-
-    return json.loads(file.read_text(), parse_constant=refuse)
 
 
 @pytest.fixture

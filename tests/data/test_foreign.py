@@ -11,7 +11,7 @@ from pipeline.data.images import read_episodes, read_images
 from pipeline.data.ledger import count
 from pipeline.data.merging import merge
 from pipeline.data.selecting import sample, select
-from tests.data.conftest import tree
+from tests.files import tree
 from tests.foreign import CAMERAS, DROVE, foreign
 
 

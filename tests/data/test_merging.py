@@ -10,9 +10,9 @@ from pipeline.data.merging import filled, merge
 from pipeline.data.schema import Episode
 from pipeline.data.writing import Summary
 from pipeline.driving.features import FEATURES
-from tests.data.conftest import tree
 from tests.data.spoiling import Spoil, change_feature, change_info, copy, drop_column
 from tests.episodes import random_episode, write
+from tests.files import tree
 
 
 def test_merged_are_the_episodes_of_all_in_order(

@@ -17,9 +17,9 @@ from pipeline.data.schema import Asked, Episode
 from pipeline.data.selecting import sample, select, split
 from pipeline.data.stored import pngs
 from pipeline.driving.features import CAMERA, FEATURES
-from tests.data.conftest import tree
 from tests.data.spoiling import copy, drop_column, set_last_image
 from tests.episodes import random_episode, write
+from tests.files import tree
 
 
 @given(st.lists(st.booleans(), max_size=40))

@@ -13,7 +13,7 @@ from pipeline.data.images import read_episodes
 from pipeline.data.merging import merge
 from pipeline.data.schema import Episode
 from pipeline.driving.features import CAMERA, FEATURES, ROBOT_TYPE
-from tests.data.conftest import strict_json
+from tests.files import strict_json
 
 NOBODY_KNOWS = ("primary_action", "safe_probability", "deviation")  # where the reference drives
 NUMBERS = [name for name in FEATURES if name != CAMERA]

@@ -12,8 +12,8 @@ from pipeline.data.lineage import Recipe
 from pipeline.data.schema import Episode
 from pipeline.data.writing import Summary, write_dataset
 from pipeline.driving.features import CAMERA, FEATURES
-from tests.data.conftest import strict_json
 from tests.episodes import random_episode, write
+from tests.files import strict_json
 
 NUMBERS = [name for name in FEATURES if name != CAMERA]
 
