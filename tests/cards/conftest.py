@@ -25,7 +25,8 @@ from pipeline.policies.network import SafetyNetwork
 from pipeline.policies.safety import SafetyConfig, SafetyPolicy
 from stages.cards import cards as run_stage
 from tests.episodes import JUDGED, LABELS, random_episode, write
-from tests.evaluation.sample import CONDITIONS, outcome
+from tests.evaluation.made_up import outcome
+from tests.evaluation.written import CONDITIONS
 
 ALDER, BIRCH = "drive on alder with 3 other cars", "drive on birch with 0 other cars"
 

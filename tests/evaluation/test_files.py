@@ -7,7 +7,7 @@ from typing import Any
 import pytest
 
 from pipeline.evaluation.files import ErrorShares, Ledger, Quality, Rows, read_json
-from tests.evaluation.sample import quality, write_run
+from tests.evaluation.written import quality, write_run
 
 
 def test_rows_are_read_and_the_rest_left_alone(tmp_path: Path) -> None:

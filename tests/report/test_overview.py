@@ -8,7 +8,7 @@ import pytest
 from pipeline.report.overview import HEADER, overview
 from tests.command import run
 from tests.evaluation.made_up import GROWING, SLOW, experiment, undriven
-from tests.evaluation.sample import write_run
+from tests.evaluation.written import write_run
 
 
 def test_a_row_a_step_with_what_it_came_to() -> None:
@@ -42,7 +42,7 @@ def test_what_was_not_driven_has_no_number() -> None:
 def test_results_are_printed_whole_where_there_is_no_terminal(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    write_run(tmp_path / "seed_0")
+    write_run(tmp_path)
     assert run(f"results {tmp_path}") == 0
     header, *lines = capsys.readouterr().out.splitlines()
     assert all(name in header for name in HEADER)

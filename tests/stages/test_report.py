@@ -10,7 +10,7 @@ from pipeline.report.figures import TITLES
 from stages.report import ERRORS, FRAMES
 from tests.command import run
 from tests.evaluation.made_up_curves import write_seed
-from tests.evaluation.sample import write_run
+from tests.evaluation.written import write_run
 
 TRAINING = {"strategies.png", "strategies_takeover.png", "strategies_cost.png"}
 ALWAYS = {"result.png", "calibration.png", "training.png", "test.png"}
@@ -25,8 +25,8 @@ OUTPUT, FIGURES = Path("cards/report.md"), Path("cards/png")
 def _house(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """SafeDAgger's run of two seeds, with their pictures, to stand in."""
     monkeypatch.chdir(tmp_path)
+    write_run(Path("metrics"), seeds=2)
     for seed in range(2):
-        write_run(Path(f"metrics/seed_{seed}"))
         for kind in ("errors", "frames"):
             Path(kind).mkdir(exist_ok=True)
             Path(f"{kind}/seed_{seed}.png").write_bytes(b"drawn")
