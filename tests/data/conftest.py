@@ -8,7 +8,7 @@ import pytest
 
 from pipeline.data.dataset import Dataset
 from pipeline.data.merging import merge
-from pipeline.data.schema import Episode
+from pipeline.data.schema import Asked, Episode
 from pipeline.data.selecting import select
 from tests.episodes import JUDGED, random_episode, write
 
@@ -75,9 +75,7 @@ def d_1(tmp_path_factory: pytest.TempPathFactory, d_0: Dataset, rollout_1: Datas
 @pytest.fixture(scope="session")
 def unasked(tmp_path_factory: pytest.TempPathFactory) -> Dataset:
     """A rollout in which nobody was asked. Do not change it."""
-    drive = random_episode(np.random.default_rng(0), 4, iteration=1)
-    for name in ("intervention", "queried"):
-        drive.columns[name][:] = False
+    drive = random_episode(np.random.default_rng(0), 4, iteration=1, asked=[Asked.NOT] * 4)
     return write(tmp_path_factory.mktemp("datasets") / "unasked", [drive], "rollout")
 
 

@@ -1,6 +1,7 @@
 from pathlib import Path
 
 import numpy as np
+import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
 
@@ -10,7 +11,7 @@ from pipeline.data.merging import filled, merge
 from pipeline.data.schema import Episode
 from pipeline.data.writing import Summary
 from pipeline.driving.features import FEATURES
-from tests.data.spoiling import Spoil, change_feature, change_info, copy, drop_column
+from tests.data.spoiling import DATA, Spoil, change_feature, change_info, copy, drop_column
 from tests.episodes import random_episode, write
 from tests.files import tree
 
@@ -80,10 +81,6 @@ def test_columns_that_one_side_lacks_are_filled(
 
 
 def _add_signal(path: Path) -> None:
-    import pyarrow as pa
-
-    from tests.data.spoiling import DATA
-
     table = pq.ParquetFile(path / DATA).read()
     pq.write_table(
         table.append_column("signal.novelty", pa.array(np.arange(len(table), dtype=np.float32))),

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from pipeline.data.dataset import Dataset
+from pipeline.data.schema import Asked
 from pipeline.inspection.excerpts import whole_episodes
 from pipeline.policies.loading import weights_sha256
 from tests.command import run
@@ -48,9 +49,7 @@ def test_what_nobody_asked_is_selected_merged_and_counted(
     root: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     """A rollout in which nothing was unsafe: the primary has become good, and all goes on."""
-    safe = random_episode(np.random.default_rng(0), 4, iteration=1)
-    for name in ("intervention", "queried"):
-        safe.columns[name][:] = False
+    safe = random_episode(np.random.default_rng(0), 4, asked=[Asked.NOT] * 4)
     write(Path("rollout_1"), [safe], "rollout")
     for command, last in {
         "select rollout_1 new_1": "new_1: 0 episodes, 0 frames, 0 queries",
@@ -74,8 +73,7 @@ def test_training_is_refused_what_would_spoil_it(
     root: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     """No frame with a label; D_safe that was trained on; a safety policy of another primary."""
-    unasked = random_episode(np.random.default_rng(1), 9, iteration=1)
-    unasked.columns["queried"][:] = False
+    unasked = random_episode(np.random.default_rng(1), 9, asked=[Asked.NOT] * 9)
     write(Path("rollout"), [unasked], "rollout")
     drive = f"{DRIVES} --tracks yew --strategy safe --seconds 0.2 --save drive.rrd"
     for command, problem in {
