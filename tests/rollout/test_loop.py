@@ -16,7 +16,6 @@ from pipeline.driving.tracks import make_track
 from pipeline.driving.world import World
 from pipeline.environment import Action, Environment
 from pipeline.policies.inference import Driver
-from pipeline.policies.network import SafetyNetwork
 from pipeline.rollout.asking import Reference as Asking
 from pipeline.rollout.judgement import Judgement, rule_of
 from pipeline.rollout.loop import Frame, drive
@@ -27,7 +26,7 @@ from pipeline.rollout.rules.reference import Reference
 from pipeline.rollout.rules.rule import Rule
 from pipeline.rollout.rules.safe import Safe
 from pipeline.rollout.strategies import Strategy
-from tests.drives import plan
+from tests.drives import plan, untrained
 
 WILLOW = {
     "track": "willow",
@@ -40,15 +39,6 @@ WILLOW = {
 
 def by_reference(**settings: Any) -> Iterator[tuple[Environment, Frame]]:
     return driven(plan(Reference(), **(WILLOW | {"seconds": 2.0} | settings)), None)
-
-
-def driver(*, nan: bool = False) -> Driver:
-    generator = torch.Generator().manual_seed(0)
-    primary = PrimaryNetwork(2, generator=generator)
-    if nan:
-        with torch.no_grad():
-            primary.outputs["steering"][2].weight.fill_(np.nan)
-    return Driver(primary, SafetyNetwork(PrimaryNetwork(2).feature_size, 4, generator=generator))
 
 
 def test_a_frame_is_what_was_seen_and_known_before_it_was_driven() -> None:
@@ -82,7 +72,6 @@ def test_it_drives_as_long_as_it_may(action_repeat: int) -> None:
 def test_an_action_is_held_for_the_whole_frame() -> None:
     """As a world stepped by hand shows."""
     env, first = next(drives := by_reference())
-    assert isinstance(env, DrivingEnv)
     rng = np.random.default_rng((0,))
     with World(make_track("willow"), 10, (0.3, 0.05), rng) as other:
         for _ in range(3):
@@ -91,30 +80,16 @@ def test_an_action_is_held_for_the_whole_frame() -> None:
             other.step(actions)
         for name in ("x", "y", "heading", "speed"):
             np.testing.assert_array_equal(getattr(env.world.cars, name), getattr(other.cars, name))
-    drives.close()  # type: ignore[attr-defined]
-
-
-def test_it_ends_with_the_laps() -> None:
-    frames = [frame for _, frame in by_reference(laps=0.1, seconds=60.0)]
-    length = make_track("willow").length
-    assert frames[-1].outcome["laps"] == 0.1
-    assert 0.1 * length <= frames[-1].outcome["distance_m"] < 0.1 * length + 3 * 20 / CONTROL_HZ
-    assert len(frames) < 60 * CONTROL_HZ / 3
-    assert (frames[-1].ended, frames[-1].failed) == ("laps done", False)
+    drives.close()
 
 
 def test_an_action_that_is_no_number_is_refused_at_once() -> None:
-    frames = driven(plan(Naive(), **WILLOW), driver(nan=True))
+    driver = untrained()
+    with torch.no_grad():
+        driver.primary.get_submodule("outputs.steering.2").weight.fill_(np.nan)
+    frames = driven(plan(Naive(), **WILLOW), driver)
     with pytest.raises(ValueError, match=r"the primary's action is \[nan +0\.\], expected finite"):
         next(frames)
-
-
-def test_equal_drives_are_equal() -> None:
-    """Bit for bit, pixels and all."""
-    runs = [[frame for _, frame in by_reference(track="yew", traffic=20)] for _ in range(2)]
-    for one, other in zip(*runs, strict=True):
-        np.testing.assert_array_equal(one.observation[CAMERA], other.observation[CAMERA])
-        np.testing.assert_array_equal(one.reference_action, other.reference_action)
 
 
 @pytest.mark.parametrize("seed", [(0,), (0, 0, 0), (3, 1002, 0), (0, 101, 2**32 - 1), (7, 1, 2, 3)])
@@ -157,7 +132,7 @@ def test_the_reference_is_asked_as_often_as_the_ledger_will_count(
     frames = list(
         drive(
             env,
-            driver(),
+            untrained(),
             rule,
             seed=1,
             rng=np.random.default_rng(1),
@@ -203,7 +178,7 @@ def test_a_reference_that_cannot_be_looked_up_is_not() -> None:
     env = CountingEnv(track="alder", action_repeat=3, seconds=1.0)
     asking = Asking(env, can_look_up=False)
     rng = np.random.default_rng(0)
-    frames = list(drive(env, driver(), Naive(), seed=0, rng=rng, reference=asking, measure=True))
+    frames = list(drive(env, untrained(), Naive(), seed=0, rng=rng, reference=asking, measure=True))
     env.close()
     assert (env.labels, env.look_ups, asking.looked_up) == (0, 0, 0)
     assert all(np.isnan(frame.reference_action).all() for frame in frames)
