@@ -5,17 +5,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-import torch
 from PIL import Image
 
 from pipeline.data.dataset import Dataset
-from pipeline.driving.network import PrimaryNetwork
-from pipeline.driving.policy import PrimaryConfig, PrimaryPolicy
 from pipeline.inspection.excerpts import ranked_takeovers
-from pipeline.policies.loading import weights_sha256
-from pipeline.policies.network import SafetyNetwork
-from pipeline.policies.safety import SafetyConfig, SafetyPolicy
 from tests.command import run
+from tests.drives import save_untrained
 from tests.episodes import random_episode, write
 from tests.inspection.saved import column, origins, recordings
 
@@ -37,14 +32,8 @@ def made(tmp_path_factory: pytest.TempPathFactory) -> Path:
     for name in ("a", "b"):
         episode = random_episode(rng, 20, task="drive on yew with 2 other cars")
         write(root / name, [episode])
-    generator = torch.Generator().manual_seed(0)
-    for ending in ("", "_b"):
-        primary = PrimaryNetwork(2, generator=generator)
-        PrimaryPolicy(PrimaryConfig(channels=2), primary).save_pretrained(root / f"primary{ending}")
-        safety = SafetyNetwork(PrimaryNetwork(2).feature_size, 8, generator=generator)
-        watched = weights_sha256(root / f"primary{ending}")
-        config = SafetyConfig(primary_sha256=watched, features=safety.in_features, hidden=8)
-        SafetyPolicy(config, safety).save_pretrained(root / f"safety{ending}")
+    for seed, ending in enumerate(("", "_b")):
+        save_untrained(root / f"primary{ending}", root / f"safety{ending}", seed)
     return root
 
 
