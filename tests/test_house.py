@@ -157,7 +157,7 @@ def test_the_public_face_is_what_type_checkers_see_and_costs_nothing() -> None:
 def test_the_library_datasets_is_not_shadowed() -> None:
     """datasets/ holds data; an __init__.py there would take the place of the library."""
     spec = importlib.util.find_spec("datasets")
-    assert spec is not None and spec.origin is not None and "site-packages" in spec.origin
+    assert "site-packages" in spec.origin
     for folder in ("datasets", "models", "cards"):
         assert not list((ROOT / folder).glob("*.py"))
 

@@ -47,9 +47,9 @@ def test_dvc_shows_it_where_it_says_so(monkeypatch: pytest.MonkeyPatch) -> None:
 
 def test_of_safety_policies_and_of_what_was_spent(monkeypatch: pytest.MonkeyPatch) -> None:
     unlike = Metric("Unlike", "share", "share", "recall", statistic="mean")
-    monkeypatch.setitem(QUALITY, "unlike", unlike)  # type: ignore[arg-type]
+    monkeypatch.setitem(QUALITY, "unlike", unlike)
     selected = Metric("Selected so far", "frames", "count", "frames_selected", statistic="mean")
-    monkeypatch.setitem(SPENT, "frames_selected", selected)  # type: ignore[arg-type]
+    monkeypatch.setitem(SPENT, "frames_selected", selected)
     text = section(report(experiment({"safedagger": [FIRST, FIRST]})), "In numbers")
     assert rows(text, "Unlike")["SafeDAgger", "0"][-1] == "- / -"
     assert rows(text, "Selected so far")["SafeDAgger", "1"][-1] == "1,000"

@@ -39,7 +39,7 @@ def test_a_strip_is_small_and_shows_the_images_beside_each_other() -> None:
     picture = strip(images)
     assert len(picture) < 30_000
     shown = cv2.imdecode(np.frombuffer(picture, np.uint8), cv2.IMREAD_COLOR_RGB)
-    assert shown is not None and shown.shape == (72, 6 * 160 + 5 * 2, 3)
+    assert shown.shape == (72, 6 * 160 + 5 * 2, 3)
     for number, image in enumerate(images):
         difference = shown[:, 162 * number :][:, :160].astype(int) - image
         assert np.abs(difference).mean() < 5

@@ -18,7 +18,6 @@ def test_each_iteration_has_a_line_on_what_was_measured() -> None:
     made_up = experiment(GOOD)
     rows = made_up.quality.assign(judged_on=ROLLOUT, calibration=[bins] * len(made_up.quality))
     figure = calibration(replace(made_up, quality=rows))
-    assert figure is not None
     held_out, rollout = figure.axes
     assert len(held_out.get_lines()) == 1  # the diagonal
     _, *lines = rollout.get_lines()

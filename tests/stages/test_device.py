@@ -31,7 +31,7 @@ TYPED = {
 
 
 def test_each_command_that_runs_a_network_has_the_option() -> None:
-    commands = typer.main.get_command(cli.commands([])).commands  # type: ignore[attr-defined]
+    commands = typer.main.get_command(cli.commands([])).commands
     having = {n for n, of in commands.items() if any(p.name == "device" for p in of.params)}
     assert having == set(TYPED)
 
