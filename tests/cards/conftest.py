@@ -18,13 +18,16 @@ from pipeline.evaluation.drives import table, write_drives
 from pipeline.evaluation.writing import write_metrics, write_rows
 from pipeline.metric import QUALITY
 from pipeline.policies.loading import policy_lineage, weights_sha256
-from stages.cards import cards as run_stage
+from tests.command import run
 from tests.drives import save_untrained
 from tests.episodes import JUDGED, LABELS, random_episode, write
 from tests.evaluation.made_up import outcome
 from tests.evaluation.written import CONDITIONS
 
 ALDER, BIRCH = "drive on alder with 3 other cars", "drive on birch with 0 other cars"
+CARDS = "cards --action-repeat 3"
+PLACES = "--datasets {0}datasets --models {0}models --metrics {0}metrics"
+OUTPUTS = "--dataset-cards {0}/datasets --model-cards {0}/models"
 
 
 @pytest.fixture(scope="session")
@@ -51,20 +54,23 @@ def house(original: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Pa
 
 @pytest.fixture
 def make_cards(house: Path) -> Callable[..., Path]:
-    """The stage, called in the house; returns the folder of its outputs."""
+    """Makes the cards of the house; returns the folder that they are in."""
 
     def make(folder: str = "cards") -> Path:
-        run_stage(
-            datasets=Path("datasets"),
-            models=Path("models"),
-            metrics=Path("metrics"),
-            action_repeat=3,
-            dataset_cards=Path(folder, "datasets"),
-            model_cards=Path(folder, "models"),
-        )
+        assert run(f"{CARDS} {PLACES.format('')} {OUTPUTS.format(folder)}") == 0
         return house / folder
 
     return make
+
+
+@pytest.fixture(scope="session")
+def finished(original: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The house with its cards. Do not change it."""
+    house = shutil.copytree(original, tmp_path_factory.mktemp("cards") / "finished")
+    with pytest.MonkeyPatch.context() as patch:
+        patch.chdir(house)
+        assert run(f"{CARDS} {PLACES.format('')} {OUTPUTS.format('cards')}") == 0
+    return house
 
 
 def _tell(folder: Path, recipe: Recipe) -> None:

@@ -25,8 +25,9 @@ NAMES = ["D_0", "D_1", "new_1", "rollout_1"]
 
 
 @pytest.fixture
-def cards(make_cards: Callable[..., Path]) -> Path:
-    return make_cards() / "datasets"
+def cards(finished: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    monkeypatch.chdir(finished)
+    return finished / "cards" / "datasets"
 
 
 def read(name: str) -> tuple[Dataset, dict[str, np.ndarray]]:

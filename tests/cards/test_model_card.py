@@ -18,8 +18,9 @@ NAMES = ["primary_0", "safety_0"]
 
 
 @pytest.fixture
-def cards(make_cards: Callable[..., Path]) -> Path:
-    return make_cards() / "models"
+def cards(finished: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    monkeypatch.chdir(finished)
+    return finished / "cards" / "models"
 
 
 def test_every_policy_has_a_card(cards: Path) -> None:

@@ -1,17 +1,11 @@
 """Sample frames: evenly spaced, and the dataset's own."""
 
-from pathlib import Path
-
 import cv2
 import numpy as np
-import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 from pipeline.cards.strip import sample_rows, strip
-from pipeline.data.dataset import Dataset
-from pipeline.data.images import read_images, read_some_images
-from pipeline.driving.features import CAMERA
 from pipeline.driving.tracks import make_track
 from pipeline.inspection.tracks import sample_frame
 
@@ -23,15 +17,6 @@ def test_rows_are_evenly_spaced(frames: int, count: int) -> None:
     assert rows[0] >= 0 and rows[-1] < frames
     steps = np.diff([*rows])
     assert len(rows) == 1 or (steps.min() >= 1 and np.ptp(steps) <= 1)
-
-
-@pytest.mark.parametrize("name", ["rollout_1", "D_1", "new_1"])
-def test_images_are_those_of_their_rows(name: str, original: Path) -> None:
-    dataset = Dataset.open(original / "datasets" / name)
-    images = read_images(dataset, CAMERA)
-    rows = list(range(0, len(images), 2))
-    some = np.stack(read_some_images(dataset, CAMERA, rows))
-    np.testing.assert_array_equal(some, images[rows])
 
 
 def test_a_strip_is_small_and_shows_the_images_beside_each_other() -> None:

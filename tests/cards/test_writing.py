@@ -5,36 +5,21 @@ from pathlib import Path
 
 import pytest
 
+from tests.cards.conftest import CARDS, OUTPUTS, PLACES
 from tests.command import run
 from tests.files import tree
 
-CARDS = "cards --action-repeat 3"
-PLACES = "--datasets {0}datasets --models {0}models --metrics {0}metrics"
-OUTPUTS = "--dataset-cards {0}/datasets --model-cards {0}/models"
-
 
 def test_cards_have_stable_bytes_and_no_whole_paths(
-    house: Path, make_cards: Callable[..., Path]
+    finished: Path, house: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    first, again = tree(make_cards("cards")), tree(make_cards("again"))
-    assert first == again
-    assert not [name for name, content in first.items() if str(house).encode() in content]
-
-
-def test_whole_paths_as_arguments_are_not_shown(
-    house: Path, make_cards: Callable[..., Path]
-) -> None:
-    expected = tree(make_cards("cards"))
-    assert run(f"{CARDS} {PLACES.format(f'{house}/')} {OUTPUTS.format('whole')}") == 0
-    assert tree(house / "whole") == expected
-
-
-def test_the_closing_line_counts_the_cards(
-    make_cards: Callable[..., Path], capsys: pytest.CaptureFixture[str]
-) -> None:
-    make_cards()
+    """Made again elsewhere, where the paths of what they are about are typed as a whole."""
+    assert run(f"{CARDS} {PLACES.format(f'{house}/')} {OUTPUTS.format('again')}") == 0
     said = capsys.readouterr().out
-    assert said == "4 cards of datasets in cards/datasets, 2 of models in cards/models\n"
+    assert said == "4 cards of datasets in again/datasets, 2 of models in again/models\n"
+    again = tree(house / "again")
+    assert again == tree(finished / "cards")
+    assert not [name for name, content in again.items() if str(house).encode() in content]
 
 
 @pytest.mark.parametrize(
@@ -77,8 +62,15 @@ def test_bad_input_is_one_line_and_leaves_nothing(
     assert named in refused(f"{CARDS} {PLACES.format('')} {OUTPUTS.format('cards')}", house)
 
 
-def test_an_empty_folder_is_refused(house: Path, make_cards: Callable[..., Path]) -> None:
+def test_a_missing_folder_is_named(tmp_path: Path, refused: Callable[..., str]) -> None:
+    (tmp_path / "cards").mkdir()
+    error = refused(f"{CARDS} {PLACES.format('')} {OUTPUTS.format('cards')}")
+    assert error == "datasets: there is no such folder\n"
+
+
+def test_an_empty_folder_is_refused(house: Path, refused: Callable[..., str]) -> None:
     for path in (house / "models").iterdir():
         path.rename(house / path.name)
-    with pytest.raises(ValueError, match="no policy in this folder, expected at least one"):
-        make_cards()
+    (house / "cards").mkdir()
+    error = refused(f"{CARDS} {PLACES.format('')} {OUTPUTS.format('cards')}", house)
+    assert "no policy in this folder, expected at least one" in error

@@ -6,11 +6,11 @@ import pyarrow.parquet as pq
 import pytest
 
 from pipeline.data.dataset import Dataset
-from pipeline.data.images import read_episodes
+from pipeline.data.images import read_episodes, read_images, read_some_images
 from pipeline.data.merging import filled, merge
 from pipeline.data.schema import Episode
 from pipeline.data.writing import Summary
-from pipeline.driving.features import FEATURES
+from pipeline.driving.features import CAMERA, FEATURES
 from tests.data.spoiling import DATA, Spoil, change_feature, change_info, copy, drop_column
 from tests.episodes import random_episode, write
 from tests.files import tree
@@ -25,6 +25,9 @@ def test_merged_are_the_episodes_of_all_in_order(
         for name in FEATURES.keys() - {"source.dataset"}:
             np.testing.assert_array_equal(episode.columns[name], part.columns[name])
     assert d_1.episode_index.tolist() == [0] * 4 + [1] * 3 + [2] * 5 + [3] + [4] * 4
+    rows = [0, 6, 7, 16]  # of both files
+    some, every = read_some_images(d_1, CAMERA, rows), read_images(d_1, CAMERA)
+    np.testing.assert_array_equal(some, every[rows])
 
 
 def test_three_at_once_are_what_two_and_one_are(

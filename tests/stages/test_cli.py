@@ -85,28 +85,6 @@ def test_an_output_that_exists_is_left_alone(tmp_path: Path, refused: Callable[.
     assert (tmp_path / "out" / "mine").read_text() == "precious"
 
 
-@pytest.mark.parametrize(
-    "typed",
-    [
-        "select missing out",
-        "contact-sheet missing out --frames 3",
-        "inspect missing",
-        "compare missing missing",
-        "sample missing out --frames 3 --seed 0",
-        "merge missing missing out",
-        "ledger missing missing --metrics out",
-        "cards --datasets missing --models missing --metrics missing --action-repeat 3 "
-        "--dataset-cards out --model-cards out_too",
-        "report --metrics missing --errors missing --frames missing --output out --figures figures",
-        f"rollout missing missing out {DRIVES} --queries 1 --frames 1 --iteration 1 --metrics m",
-    ],
-)
-def test_missing_input_is_named_and_nothing_is_written(
-    typed: str, refused: Callable[..., str]
-) -> None:
-    assert "missing" in refused(typed)
-
-
 @pytest.mark.parametrize("option", ["--drives", "--metrics"])
 @pytest.mark.parametrize("place", ["/proc/x.csv", "n" * 300])
 def test_a_place_that_cannot_be_written_is_found_out_before_the_driving(
@@ -136,8 +114,12 @@ def test_a_wrong_path_is_found_out_before_anything_heavy_is_imported(tmp_path: P
     (tmp_path / "there").mkdir()
     typed = (
         "select missing out",
+        "sample missing out --frames 3 --seed 0",
+        "split missing out other --share 0.1",
         "merge there missing out",
+        "ledger missing there --metrics out",
         "inspect missing",
+        "contact-sheet missing out --frames 3",
         "compare there missing",
         f"collect there {DRIVES}",
         f"rollout there missing out --queries 1 --frames 1 {DRIVES}",
@@ -146,6 +128,8 @@ def test_a_wrong_path_is_found_out_before_anything_heavy_is_imported(tmp_path: P
         "train-primary there there",
         "train-safety there missing missing out",
         "evaluate missing --metrics m --drives d",
+        "errors missing there there --figure x.png --metrics m",
+        "judge missing there there --figure x.png --metrics m",
     )
     done = subprocess.run(
         [sys.executable, "-c", WRONG, "\n".join(typed)],
@@ -160,6 +144,7 @@ def test_a_wrong_path_is_found_out_before_anything_heavy_is_imported(tmp_path: P
     assert not (HEAVY - {"numpy"} | {"pyarrow", "pandas", "scipy", "rerun"}) & set(
         done.stdout.split()
     )
+    assert [path.name for path in tmp_path.iterdir()] == ["there"]
 
 
 LIMITED = """
