@@ -162,8 +162,3 @@ def test_equal_experiments_give_equal_bytes() -> None:
     backwards = replace(made_up, **turned)
     assert report(made_up) == report(made_up) == report(backwards)
     assert report(made_up).count(" drives of naive, without traffic.") == 16
-
-
-def test_every_run_has_its_name() -> None:
-    text = report(experiment(GOOD))
-    assert all(f"| {name} |" in text for name in (run.name for run in SPECS.values()))

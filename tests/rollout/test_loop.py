@@ -5,7 +5,6 @@ from typing import Any
 
 import numpy as np
 import pytest
-import torch
 
 from pipeline.data.schema import Asked
 from pipeline.driving.environment import DrivingEnv
@@ -85,8 +84,7 @@ def test_an_action_is_held_for_the_whole_frame() -> None:
 
 def test_an_action_that_is_no_number_is_refused_at_once() -> None:
     driver = untrained()
-    with torch.no_grad():
-        driver.primary.get_submodule("outputs.steering.2").weight.fill_(np.nan)
+    driver.primary.outputs["steering"][2].weight.fill_(np.nan)
     frames = driven(plan(Naive(), **WILLOW), driver)
     with pytest.raises(ValueError, match=r"the primary's action is \[nan +0\.\], expected finite"):
         next(frames)
