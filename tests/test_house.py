@@ -15,7 +15,10 @@ from stages import __main__ as cli
 from stages.__main__ import ENVIRONMENT
 
 ROOT = Path(__file__).parent.parent
-HEAVY = {"torch", "lerobot", "pybullet", "gymnasium", "datasets", "numpy", "pandas", "scipy", "cv2"}
+HEAVY = {
+    *("torch", "lerobot", "pybullet", "gymnasium", "datasets", "numpy", "pandas", "scipy", "cv2"),
+    "matplotlib",
+}
 
 # Imports run one way (design.md, section 3): a package, and those of ours that it may import.
 MAY_IMPORT = {

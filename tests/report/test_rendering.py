@@ -82,7 +82,7 @@ def test_shortfalls_are_those_of_the_last_iteration_on_every_seed() -> None:
 
 
 def test_figures_are_shown_under_their_titles() -> None:
-    assert "Driving:\n\n![Driving](figures/driving.png)" in report(experiment(GOOD))
+    assert "Driving:\n\n![Driving](figures/driving.png)" in report(experiment(ALONE))
 
 
 def test_of_the_pictures_of_seeds_the_first_is_shown_and_the_others_linked() -> None:
