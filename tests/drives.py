@@ -1,5 +1,6 @@
 """Plans of short drives, and who drives them, for any test that needs one."""
 
+from pathlib import Path
 from typing import Any
 
 import torch
@@ -7,6 +8,7 @@ import torch
 from pipeline.driving.network import PrimaryNetwork
 from pipeline.driving.task import Driving
 from pipeline.policies.inference import Driver
+from pipeline.policies.loading import weights_sha256
 from pipeline.policies.network import SafetyNetwork
 from pipeline.rollout.plans import Plan
 from pipeline.rollout.rules.rule import Rule
@@ -25,3 +27,17 @@ def untrained(**settings: Any) -> Driver:
     generator = torch.Generator().manual_seed(0)
     primary = PrimaryNetwork(2, generator=generator, **settings)
     return Driver(primary, SafetyNetwork(primary.feature_size, 4, generator=generator))
+
+
+def save_untrained(primary: Path, safety: Path, seed: int = 0, **settings: Any) -> None:
+    """Both as policies, the safety policy with these settings."""
+    # LeRobot takes long to import
+    from pipeline.driving.policy import PrimaryConfig, PrimaryPolicy
+    from pipeline.policies.safety import SafetyConfig, SafetyPolicy
+
+    generator = torch.Generator().manual_seed(seed)
+    network = PrimaryNetwork(2, generator=generator)
+    PrimaryPolicy(PrimaryConfig(channels=2), network).save_pretrained(primary)
+    watching = SafetyNetwork(network.feature_size, 4, generator=generator)
+    told = {"primary_sha256": weights_sha256(primary), "features": watching.in_features}
+    SafetyPolicy(SafetyConfig(**told, hidden=4, **settings), watching).save_pretrained(safety)

@@ -1,6 +1,6 @@
 """Random valid episodes and datasets of them, for any test that needs one."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -45,37 +45,39 @@ def random_episode(
     episode: int = 0,
     first_frame: int = 0,
     reference_only: bool = False,
+    asked: Sequence[int] | None = None,
     images: np.ndarray | None = None,
 ) -> Episode:
     """An episode of `frames` rows as the pipeline records them.
 
     With `reference_only` it is of iteration 0: the reference drives, and there is neither a primary
-    nor a safety policy. Otherwise the reference drives where the safe probability is below 0.5.
+    nor a safety policy. Otherwise the reference drives where the safe probability is below 0.5, or
+    was `asked` for these reasons, see `Asked`.
     `images` are drawn at random unless given, uint8 [frames, 72, 160, 3].
     """
     reference, primary = random_actions(rng, frames), random_actions(rng, frames)
     safe_probability = rng.random((frames, 1), dtype=np.float32)
-    intervention = safe_probability < 0.5
-    deviation = np.where(intervention, (reference - primary)[:, :1] ** 2, np.float32(np.nan))
+    because = np.where(safe_probability < 0.5, Asked.DROVE, Asked.NOT).astype(np.int64)
+    if asked is not None:
+        because = np.array(asked, np.int64)[:, None]
     if reference_only:
-        primary, safe_probability, deviation = (
-            np.full_like(column, np.nan) for column in (primary, safe_probability, deviation)
-        )
-        intervention = np.ones((frames, 1), bool)
+        because = np.full((frames, 1), Asked.DROVE, np.int64)
+        primary, safe_probability = (np.full_like(of, np.nan) for of in (primary, safe_probability))
+    queried = because != Asked.NOT
     return Episode(
         task,
         {
             CAMERA: random_images(rng, frames) if images is None else images,
-            "action": np.where(intervention, reference, primary),
+            "action": np.where(queried, reference, primary),
             "primary_action": primary,
             "affordances": rng.random((frames, 10), dtype=np.float32),
             "vehicle_state": rng.random((frames, 4), dtype=np.float32),
-            "intervention": intervention,
-            "queried": intervention.copy(),
+            "intervention": because == Asked.DROVE,
+            "queried": queried,
             "safe_probability": safe_probability,
-            "deviation": deviation,
-            "asked_because": np.where(intervention, Asked.DROVE, Asked.NOT).astype(np.int64),
-            "ask_probability": intervention.astype(np.float32),
+            "deviation": np.where(queried, (reference - primary)[:, :1] ** 2, np.float32(np.nan)),
+            "asked_because": because,
+            "ask_probability": queried.astype(np.float32),
             "source.dataset": np.full((frames, 1), OWN, np.int64),
             "source.iteration": np.full((frames, 1), iteration, np.int64),
             "source.episode": np.full((frames, 1), episode, np.int64),

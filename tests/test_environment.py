@@ -61,7 +61,6 @@ def test_each_number_has_a_name(names: dict, problem: str) -> None:
 
 def test_the_car_and_the_pendulum_are_described_by_their_spaces() -> None:
     car = DrivingEnv()
-    assert isinstance(car.observation_space, Dict) and isinstance(car.action_space, Box)
     found = features_of(car.observation_space, car.action_space, does=ACTIONS)
     assert found == {name: FEATURES[name] for name in found}
     assert CAMERA in found

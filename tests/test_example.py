@@ -36,7 +36,7 @@ def test_every_command_of_the_example_is_one_of_ours(
             path.mkdir(parents=True)
         program, *words = stage.cmd.split()
         assert program == "safedagger"
-        command = typer.main.get_command(commands(words)).commands[words[0]]  # type: ignore[attr-defined]
+        command = typer.main.get_command(commands(words)).commands[words[0]]
         command.make_context(words[0], words[1:])  # raises where it does not fit
         for path in read:
             path.rmdir()

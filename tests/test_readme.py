@@ -12,6 +12,9 @@ import numpy as np
 import pytest
 from joblib.externals.loky import get_reusable_executor
 
+from pipeline.data.dataset import Dataset
+from pipeline.evaluation.drives import read_drives
+from pipeline.policies.loading import weights_sha256
 from stages.__main__ import STAGES
 from tests.command import typed
 from tests.foreign import robot
@@ -63,28 +66,15 @@ CONTEXT = ("datasets", "Context")
 
 
 def test_every_command_of_the_pages_is_run_here() -> None:
-    run = [
-        BY_HAND,
-        LEROBOT,
-        TASK,
-        REFERENCE,
-        DATASET,
-        *LOOKING,
-        ARM,
-        ACT,
-        SHAPE,
-        PIPELINE,
-        CONTEXT,
-        *AUDITS,
-        CALM,
-    ]
-    found = []
+    run = {BY_HAND, LEROBOT, TASK, REFERENCE, DATASET, *LOOKING, ARM, ACT, SHAPE, PIPELINE, CONTEXT}
+    run |= {*AUDITS, CALM}
+    found = set()
     for path in (ROOT / "README.md", *ROOT.glob("docs/*.md")):
         page = "" if path.name == "README.md" else path.stem
         for heading in re.findall(r"^## (.*)$", path.read_text(), re.MULTILINE):
             if commands(page, heading):
-                found.append((page, heading))
-    assert sorted(found) == sorted(run)
+                found.add((page, heading))
+    assert found == run
 
 
 @pytest.fixture(scope="module")
@@ -100,8 +90,6 @@ def by_hand(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def test_one_iteration_by_hand(by_hand: Path) -> None:
-    from pipeline.data.dataset import Dataset
-
     of_an_iteration = {*STAGES} - OF_A_RUN
     assert {command[1] for command in commands(*BY_HAND)} == of_an_iteration
     for name in ("new_1", "new_dagger_1"):
@@ -122,9 +110,6 @@ def test_audits_are_learned_from_as_the_page_shows(
     by_hand: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """And the reference that is calm keeps driving for a second, ten frames."""
-    from pipeline.data.dataset import Dataset
-    from pipeline.evaluation.drives import read_drives
-
     monkeypatch.chdir(by_hand)
     for part in (*AUDITS, CALM):
         for command in commands(*part):
@@ -198,8 +183,6 @@ def test_the_demo_films_and_records_a_drive(
 def test_a_task_and_a_reference_of_ones_own(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    from pipeline.data.dataset import Dataset
-
     monkeypatch.chdir(tmp_path)
     get_reusable_executor().shutdown()  # workers of an earlier test look for modules where it was
     ((_, source, place),) = commands(*TASK, ("cp",))
@@ -216,8 +199,6 @@ def test_a_task_and_a_reference_of_ones_own(
 
 
 def test_a_dataset_of_ones_own(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    from pipeline.data.dataset import Dataset
-
     monkeypatch.chdir(tmp_path)
     robot(Path("theirs"))
     for command in commands(*DATASET):
@@ -240,16 +221,9 @@ def plugin(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """What LeRobot's commands look for, as it is installed; built from a copy, as setuptools leaves
     files where it builds."""
     shutil.copytree(ROOT / "plugin", tmp_path / "plugin")
-    pip = [
-        sys.executable,
-        "-m",
-        "pip",
-        "install",
-        "--no-index",
-        "--no-build-isolation",
-        "--no-deps",
-    ]
-    subprocess.run([*pip, "--target", tmp_path / "site", tmp_path / "plugin"], check=True)
+    pip = "-m pip install --no-index --no-build-isolation --no-deps --target"
+    command = [sys.executable, *pip.split(), tmp_path / "site", tmp_path / "plugin"]
+    subprocess.run(command, check=True)
     monkeypatch.setenv("PYTHONPATH", os.pathsep.join((str(ROOT), str(tmp_path / "site"))))
 
 
@@ -258,9 +232,6 @@ def test_our_primaries_are_trained_by_lerobots_own_command(
     by_hand: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """By type and by path: what it has saved drives, and is not what it began with."""
-    from pipeline.evaluation.drives import read_drives
-    from pipeline.policies.loading import weights_sha256
-
     monkeypatch.chdir(by_hand)
     for command in commands(*LEROBOT):
         typed(*command)

@@ -1,5 +1,6 @@
 """What runs are told is checked before anything runs, and unrolled into the loops of the pipeline."""
 
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -207,15 +208,12 @@ def test_names_are_words(runs: dict[str, Any]) -> None:
     [(None, "no such file"), ("runs: [", "expected YAML"), ("- 1", "expected names with values")],
 )
 def test_what_is_no_file_of_parameters_is_named(
-    text: str | None, problem: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    text: str | None, problem: str, tmp_path: Path, refused: Callable[..., str]
 ) -> None:
-    path, out = tmp_path / "params.yaml", tmp_path / "loops.yaml"
     if text is not None:
-        path.write_text(text)
-    assert run("plan", "--params", path, "--loops", out) == 2
-    (line,) = capsys.readouterr().err.splitlines()
-    assert str(path) in line and problem in line
-    assert not out.exists()
+        (tmp_path / "params.yaml").write_text(text)
+    line = refused("plan --params params.yaml --loops loops.yaml")
+    assert line.startswith("params.yaml: ") and problem in line
 
 
 def test_a_line_more_is_a_run_more(tmp_path: Path) -> None:
@@ -226,11 +224,12 @@ def test_a_line_more_is_a_run_more(tmp_path: Path) -> None:
         "name: a, words: a., colour: black, marker: o, protocol: long}"
     )
     params.write_text(text.format(line))
-    assert run("plan", "--params", params, "--loops", out) == 0
+    plan = f"plan --params {params} --loops {out}"
+    assert run(plan) == 0
     before = read_params(out)
     params.write_text(text.format(line) + f"  two: {line}\n")
     out.unlink()
-    assert run("plan", "--params", params, "--loops", out) == 0
+    assert run(plan) == 0
     assert set(read_params(out)["dagger"]) - set(before["dagger"]) == {"two_1"}
 
 
@@ -268,15 +267,19 @@ def test_a_line_more_is_a_run_more(tmp_path: Path) -> None:
     ],
 )
 def test_a_mistyped_parameter_stops_it_before_anything_runs(
-    change: tuple[str, str], problem: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    change: tuple[str, str], problem: str, tmp_path: Path, refused: Callable[..., str]
 ) -> None:
-    path, out = tmp_path / "params.yaml", tmp_path / "out"
-    path.write_text((ROOT / "params.yaml").read_text().replace(*change, 1))
-    for command in (
-        ("plan", "--loops", out),
-        ("runs", "--loops", ROOT / "loops.yaml", "--metrics", out),
-    ):
-        assert run(*command, "--params", path) == 2
-        (line,) = capsys.readouterr().err.splitlines()
-        assert line.startswith(f"safedagger: {path}: {problem}")
-        assert not out.exists()
+    (tmp_path / "params.yaml").write_text((ROOT / "params.yaml").read_text().replace(*change, 1))
+    (tmp_path / "dvc.yaml").symlink_to(ROOT / "dvc.yaml")
+    for command in ("plan --loops out", f"runs --loops {ROOT}/loops.yaml --metrics out"):
+        line = refused(f"{command} --params params.yaml")
+        assert line.startswith(f"params.yaml: {problem}")
+
+
+def test_loops_that_are_not_those_of_the_runs_stop_it(
+    tmp_path: Path, refused: Callable[..., str]
+) -> None:
+    loops = (ROOT / "loops.yaml").read_text()
+    (tmp_path / "loops.yaml").write_text(loops.replace('"queries": 3000', '"queries": 3001'))
+    files = f"--params {ROOT}/params.yaml --pipeline {ROOT}/dvc.yaml --loops loops.yaml"
+    assert refused(f"runs {files} --metrics runs.json").startswith("loops.yaml: not what ")

@@ -72,7 +72,7 @@ def test_what_is_not_typed_is_as_the_default_scale_has_it() -> None:
         | {name: protocol[name] for name in ("begins", "seconds")},
     }
     told["rollout"] |= {"queries": run["queries"][0]}
-    commands = typer.main.get_command(cli.commands([])).commands  # type: ignore[attr-defined]
+    commands = typer.main.get_command(cli.commands([])).commands
     for command, expected in told.items():
         defaults = {each.opts[0].lstrip("-"): each.default for each in commands[command].params}
         assert {name: defaults[name] for name in expected} == expected, command

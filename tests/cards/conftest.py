@@ -7,7 +7,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-import torch
 
 from pipeline.data.dataset import Dataset
 from pipeline.data.lineage import Lineage, Recipe
@@ -15,19 +14,20 @@ from pipeline.data.merging import merge
 from pipeline.data.selecting import select
 from pipeline.data.writing import write_dataset
 from pipeline.driving.features import ROBOT_TYPE
-from pipeline.driving.network import PrimaryNetwork
-from pipeline.driving.policy import PrimaryConfig, PrimaryPolicy
 from pipeline.evaluation.drives import table, write_drives
 from pipeline.evaluation.writing import write_metrics, write_rows
 from pipeline.metric import QUALITY
 from pipeline.policies.loading import policy_lineage, weights_sha256
-from pipeline.policies.network import SafetyNetwork
-from pipeline.policies.safety import SafetyConfig, SafetyPolicy
-from stages.cards import cards as run_stage
+from tests.command import run
+from tests.drives import save_untrained
 from tests.episodes import JUDGED, LABELS, random_episode, write
-from tests.evaluation.sample import CONDITIONS, outcome
+from tests.evaluation.made_up import outcome
+from tests.evaluation.written import CONDITIONS
 
 ALDER, BIRCH = "drive on alder with 3 other cars", "drive on birch with 0 other cars"
+CARDS = "cards --action-repeat 3"
+PLACES = "--datasets {0}datasets --models {0}models --metrics {0}metrics"
+OUTPUTS = "--dataset-cards {0}/datasets --model-cards {0}/models"
 
 
 @pytest.fixture(scope="session")
@@ -35,20 +35,12 @@ def original(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The house, without cards. Do not change it."""
     root = tmp_path_factory.mktemp("cards") / "house"
     d_0 = _write_demonstrations(root / "datasets")
-    generator = torch.Generator().manual_seed(0)
-    primary = PrimaryNetwork(2, generator=generator)
-    PrimaryPolicy(PrimaryConfig(channels=2), primary).save_pretrained(root / "models/primary_0")
-    _tell(root / "models/primary_0", Recipe("primary", {"channels": 2}, [d_0.lineage]))
-    safety = SafetyNetwork(PrimaryNetwork(2).feature_size, 4, generator=generator)
-    watched = weights_sha256(root / "models/primary_0")
-    config = SafetyConfig(primary_sha256=watched, features=safety.in_features, hidden=4, cut=0.6)
-    SafetyPolicy(config, safety).save_pretrained(root / "models/safety_0")
-    watched_policy = policy_lineage(root / "models/primary_0")
-    parents = [watched_policy, d_0.lineage]
-    _tell(root / "models/safety_0", Recipe("safety", {"tau": 0.05}, parents))
-    policies = [policy_lineage(root / f"models/{name}_0") for name in ("primary", "safety")]
-    _write_rollout(root / "datasets", d_0, policies)
-    _write_metrics(root / "metrics", watched)
+    primary, safety = (root / f"models/{name}_0" for name in ("primary", "safety"))
+    save_untrained(primary, safety, cut=0.6)
+    _tell(primary, Recipe("primary", {"channels": 2}, [d_0.lineage]))
+    _tell(safety, Recipe("safety", {"tau": 0.05}, [policy_lineage(primary), d_0.lineage]))
+    _write_rollout(root / "datasets", d_0, [policy_lineage(primary), policy_lineage(safety)])
+    _write_metrics(root / "metrics", weights_sha256(primary))
     return root
 
 
@@ -62,20 +54,23 @@ def house(original: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Pa
 
 @pytest.fixture
 def make_cards(house: Path) -> Callable[..., Path]:
-    """The stage, called in the house; returns the folder of its outputs."""
+    """Makes the cards of the house; returns the folder that they are in."""
 
     def make(folder: str = "cards") -> Path:
-        run_stage(
-            datasets=Path("datasets"),
-            models=Path("models"),
-            metrics=Path("metrics"),
-            action_repeat=3,
-            dataset_cards=Path(folder, "datasets"),
-            model_cards=Path(folder, "models"),
-        )
+        assert run(f"{CARDS} {PLACES.format('')} {OUTPUTS.format(folder)}") == 0
         return house / folder
 
     return make
+
+
+@pytest.fixture(scope="session")
+def finished(original: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The house with its cards. Do not change it."""
+    house = shutil.copytree(original, tmp_path_factory.mktemp("cards") / "finished")
+    with pytest.MonkeyPatch.context() as patch:
+        patch.chdir(house)
+        assert run(f"{CARDS} {PLACES.format('')} {OUTPUTS.format('cards')}") == 0
+    return house
 
 
 def _tell(folder: Path, recipe: Recipe) -> None:

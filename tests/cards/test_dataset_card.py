@@ -25,8 +25,9 @@ NAMES = ["D_0", "D_1", "new_1", "rollout_1"]
 
 
 @pytest.fixture
-def cards(make_cards: Callable[..., Path]) -> Path:
-    return make_cards() / "datasets"
+def cards(finished: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    monkeypatch.chdir(finished)
+    return finished / "cards" / "datasets"
 
 
 def read(name: str) -> tuple[Dataset, dict[str, np.ndarray]]:
@@ -180,9 +181,7 @@ def test_of_context_it_says_that_it_is_no_label(
 
 
 def test_of_audits_it_says_that_they_are_some(house: Path, make_cards: Callable[..., Path]) -> None:
-    drive = random_episode(np.random.default_rng(2), 3, task=ALDER, episode=7, iteration=2)
-    for name in ("asked_because", "queried"):
-        drive.columns[name][:] = 1
+    drive = random_episode(np.random.default_rng(2), 3, task=ALDER, asked=[Asked.AUDIT] * 3)
     audited = write(house / "datasets" / "rollout_2", [drive], "rollout", audit=0.25)
     select(audited, house / "datasets" / "audits_2", Asked.AUDIT)
     folder = make_cards("other") / "datasets"
@@ -228,9 +227,7 @@ def test_a_dataset_without_frames_has_a_card_too(
     house: Path, make_cards: Callable[..., Path]
 ) -> None:
     """What nobody asked: a rollout in which nothing was unsafe."""
-    safe = random_episode(np.random.default_rng(2), 3, task=ALDER)
-    for name in ("intervention", "queried"):
-        safe.columns[name][:] = False
+    safe = random_episode(np.random.default_rng(2), 3, task=ALDER, asked=[Asked.NOT] * 3)
     select(write(house / "datasets" / "rollout_2", [safe], "rollout"), house / "datasets" / "new_2")
     folder = make_cards("other") / "datasets"
     card = (folder / "new_2.md").read_text()

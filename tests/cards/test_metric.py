@@ -9,8 +9,7 @@ from pipeline.driving.metrics import METRICS
 from pipeline.evaluation.summary import headline
 from pipeline.metric import QUALITY, SPENT, Metric
 from pipeline.report.figures import driving
-from tests.evaluation.made_up import FIRST, GROWING, SLOW, experiment
-from tests.evaluation.sample import drives
+from tests.evaluation.made_up import FIRST, GROWING, SLOW, drives, experiment
 from tests.report.drawn import panels, words
 from tests.report.rendered import report, rows, section
 
@@ -43,14 +42,14 @@ def test_on_cards(make_cards: Callable[..., Path]) -> None:
 def test_dvc_shows_it_where_it_says_so(monkeypatch: pytest.MonkeyPatch) -> None:
     once = Metric("Frames per lap", "frames", "amount", "frames", "laps", shown=BOTH)
     monkeypatch.setitem(METRICS, "frames_per_lap", once)
-    assert headline(drives(0), METRICS)["safe"]["frames_per_lap"] == pytest.approx(300, abs=1)
+    assert headline(drives(FIRST), METRICS)["safe"]["frames_per_lap"] == pytest.approx(1000 / 3)
 
 
 def test_of_safety_policies_and_of_what_was_spent(monkeypatch: pytest.MonkeyPatch) -> None:
     unlike = Metric("Unlike", "share", "share", "recall", statistic="mean")
-    monkeypatch.setitem(QUALITY, "unlike", unlike)  # type: ignore[arg-type]
+    monkeypatch.setitem(QUALITY, "unlike", unlike)
     selected = Metric("Selected so far", "frames", "count", "frames_selected", statistic="mean")
-    monkeypatch.setitem(SPENT, "frames_selected", selected)  # type: ignore[arg-type]
+    monkeypatch.setitem(SPENT, "frames_selected", selected)
     text = section(report(experiment({"safedagger": [FIRST, FIRST]})), "In numbers")
     assert rows(text, "Unlike")["SafeDAgger", "0"][-1] == "- / -"
     assert rows(text, "Selected so far")["SafeDAgger", "1"][-1] == "1,000"

@@ -9,16 +9,18 @@ import torch
 from huggingface_hub import ModelCard
 
 from pipeline.driving.metrics import CONDITIONS, METRICS
-from pipeline.evaluation.drives import among, read_drives, write_drives
+from pipeline.evaluation.drives import among, read_drives
 from pipeline.evaluation.summary import measure
 from pipeline.metric import shown
+from tests.evaluation.written import drive_again
 
 NAMES = ["primary_0", "safety_0"]
 
 
 @pytest.fixture
-def cards(make_cards: Callable[..., Path]) -> Path:
-    return make_cards() / "models"
+def cards(finished: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    monkeypatch.chdir(finished)
+    return finished / "cards" / "models"
 
 
 def test_every_policy_has_a_card(cards: Path) -> None:
@@ -60,10 +62,7 @@ def test_what_was_measured_of_another_policy_is_not_shown(
     whose: str, house: Path, make_cards: Callable[..., Path]
 ) -> None:
     """Of another seed, or of an earlier run."""
-    file = house / "metrics" / "drives_0.csv"
-    drives = read_drives(file).assign(primary=whose)
-    file.unlink()
-    write_drives(file, drives)
+    drive_again(house / "metrics" / "drives_0.csv", primary=whose)
     for name in NAMES:
         card = make_cards(f"cards_{whose[:2]}_{name}") / "models" / f"{name}.md"
         assert "Nobody has evaluated it." in card.read_text()

@@ -1,6 +1,5 @@
 """Datasets that several tests read, written once."""
 
-import json
 from collections.abc import Callable
 from pathlib import Path
 
@@ -9,25 +8,9 @@ import pytest
 
 from pipeline.data.dataset import Dataset
 from pipeline.data.merging import merge
-from pipeline.data.schema import Episode
+from pipeline.data.schema import Asked, Episode
 from pipeline.data.selecting import select
 from tests.episodes import JUDGED, random_episode, write
-
-
-def tree(root: Path) -> dict[str, bytes]:
-    """Every file below `root` with its content."""
-    return {
-        str(file.relative_to(root)): file.read_bytes() for file in root.rglob("*") if file.is_file()
-    }
-
-
-def strict_json(file: Path) -> dict:
-    """The content of a JSON file, which must not hold NaN or Infinity."""
-
-    def refuse(constant: str) -> None:
-        raise ValueError(f"{file} has {constant}")
-
-    return json.loads(file.read_text(), parse_constant=refuse)
 
 
 @pytest.fixture
@@ -92,9 +75,7 @@ def d_1(tmp_path_factory: pytest.TempPathFactory, d_0: Dataset, rollout_1: Datas
 @pytest.fixture(scope="session")
 def unasked(tmp_path_factory: pytest.TempPathFactory) -> Dataset:
     """A rollout in which nobody was asked. Do not change it."""
-    drive = random_episode(np.random.default_rng(0), 4, iteration=1)
-    for name in ("intervention", "queried"):
-        drive.columns[name][:] = False
+    drive = random_episode(np.random.default_rng(0), 4, iteration=1, asked=[Asked.NOT] * 4)
     return write(tmp_path_factory.mktemp("datasets") / "unasked", [drive], "rollout")
 
 

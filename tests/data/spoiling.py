@@ -11,6 +11,7 @@ import pyarrow.parquet as pq
 
 from pipeline.data.dataset import Dataset
 from pipeline.driving.features import CAMERA
+from tests.files import rewrite
 
 DATA = Path("data", "chunk-000", "file-000.parquet")
 EPISODES = Path("meta", "episodes", "chunk-000", "file-000.parquet")
@@ -24,11 +25,7 @@ def copy(dataset: Dataset, path: Path) -> Path:
 
 
 def change_info(**changes: Any) -> Spoil:
-    def change(path: Path) -> None:
-        file = path / "meta" / "info.json"
-        file.write_text(json.dumps({**json.loads(file.read_text()), **changes}))
-
-    return change
+    return lambda path: rewrite(path / "meta" / "info.json", **changes)
 
 
 def change_feature(name: str, **changes: Any) -> Spoil:

@@ -8,8 +8,8 @@ from pathlib import Path
 from pipeline.data.dataset import DRIVES, Dataset
 from pipeline.data.lineage import FILE
 from pipeline.data.selecting import sample
-from tests.data.conftest import tree
 from tests.data.sample import write_sample
+from tests.files import tree
 
 
 def test_bytes_depend_on_neither_place_nor_hash_seed(tmp_path: Path) -> None:

@@ -12,7 +12,6 @@ from pipeline.data.dataset import Dataset
 from pipeline.data.images import read_episodes, read_images, read_some_images
 from pipeline.data.schema import CORE, Asked, Episode
 from pipeline.driving.features import CAMERA, FEATURES, IMITATED
-from tests.data.conftest import tree
 from tests.data.spoiling import (
     DATA,
     EPISODES,
@@ -28,6 +27,7 @@ from tests.data.spoiling import (
     set_last_image,
 )
 from tests.episodes import random_episode, write
+from tests.files import tree
 
 NUMBERS = [name for name in FEATURES if name != CAMERA]
 

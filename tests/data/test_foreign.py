@@ -11,7 +11,7 @@ from pipeline.data.images import read_episodes, read_images
 from pipeline.data.ledger import count
 from pipeline.data.merging import merge
 from pipeline.data.selecting import sample, select
-from tests.data.conftest import tree
+from tests.files import tree
 from tests.foreign import CAMERAS, DROVE, foreign
 
 
@@ -59,21 +59,19 @@ def test_what_the_person_drove_is_selected_merged_and_counted(
         shown = float(loaded[index][CAMERAS[0]].mean()) * 255
         assert shown == pytest.approx(row * 20, abs=6)
 
-    sample(arm, tmp_path / "some", 3, seed=0)
-    some = Dataset.open(tmp_path / "some")
-    shared = set(zip(*_places(new), strict=True)) & set(zip(*_places(some), strict=True))
-    if shared:
-        with pytest.raises(ValueError, match=f"some: {len(shared)} of its frames are in"):
-            merge([new, some], tmp_path / "both")
-    another = foreign(tmp_path / "another", videos=arm.info["video_path"] is not None)
-    other = _other(another, tmp_path)
+    sample(arm, tmp_path / "some", len(arm), seed=0)
+    with pytest.raises(ValueError, match="some: 4 of its frames are in"):
+        merge([new, Dataset.open(tmp_path / "some")], tmp_path / "both")
+    videos = arm.info["video_path"] is not None
+    select(foreign(tmp_path / "another", videos=videos, seed=1), tmp_path / "other")
+    other = Dataset.open(tmp_path / "other")
     merge([new, other], tmp_path / "both")
     both = Dataset.open(tmp_path / "both")
     assert len(both) == len(new) + len(other)
     for camera in CAMERAS:
         expected = np.concatenate([brightness(new, camera), brightness(other, camera)])
         np.testing.assert_allclose(brightness(both, camera), expected, atol=6)
-    assert float(load(both.path)[len(new)][CAMERAS[1]].mean()) * 255 == pytest.approx(60, abs=6)
+    assert float(load(both.path)[len(new)][CAMERAS[1]].mean()) * 255 == pytest.approx(20, abs=6)
     counted = {
         "frames_driven": 10,
         "queries": 4,
@@ -88,22 +86,6 @@ def test_what_the_person_drove_is_selected_merged_and_counted(
     }
     assert counted.items() <= count(arm, both).items()
     assert tree(arm.path) == before
-
-
-def _places(dataset: Dataset) -> list[list[int]]:
-    return [dataset.column(f"source.{name}").tolist() for name in ("episode", "frame")]
-
-
-def _other(another: Dataset, tmp_path: Path) -> Dataset:
-    """Frames of a second dataset, which its arguments and so its id tell from the first."""
-    from pipeline.data.assembling import assemble
-    from pipeline.data.lineage import Recipe
-    from pipeline.data.pieces import Piece
-
-    pieces = [Piece(another, 0, 3, 5)]
-    features = {n: of for n, of in another.features.items() if n != "intervention"}
-    assemble(tmp_path / "cut", pieces, Recipe("other", {}), like=another, features=features)
-    return Dataset.open(tmp_path / "cut")
 
 
 def test_a_car_and_an_arm_do_not_merge(arm: Dataset, d_0: Dataset, tmp_path: Path) -> None:

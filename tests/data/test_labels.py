@@ -5,7 +5,7 @@ import pytest
 
 from pipeline.data.dataset import Dataset
 from pipeline.data.labels import labelled, told
-from pipeline.data.schema import CORE
+from pipeline.data.schema import CORE, Asked
 from pipeline.data.selecting import select
 from tests.data.spoiling import copy, drop_column
 from tests.episodes import random_episode, write
@@ -20,9 +20,8 @@ def test_what_the_reference_drove_is_labelled_and_its_episodes_are_the_runs(d_0:
 
 def test_of_a_rollout_it_is_what_was_asked_whoever_drove(tmp_path: Path) -> None:
     """DAgger's reference need not drive at all; and no run goes on into the next episode."""
-    drives = [random_episode(np.random.default_rng(0), n) for n in (4, 3)]
-    for drive, asked in zip(drives, ([0, 1, 1, 1], [1, 0, 1]), strict=True):
-        drive.columns["intervention"][:], drive.columns["queried"][:, 0] = False, asked
+    reasons = [Asked.NOT] + [Asked.MIXTURE] * 3, [Asked.MIXTURE, Asked.NOT, Asked.MIXTURE]
+    drives = [random_episode(np.random.default_rng(0), len(of), asked=of) for of in reasons]
     raw = write(tmp_path / "raw", drives)
     runs, run = labelled(raw)
     assert runs == [(1, 4), (4, 5), (6, 7)]
@@ -40,14 +39,11 @@ def test_what_is_labelled_is_what_is_selected(rollout_1: Dataset, tmp_path: Path
     assert [stop - start for start, stop in runs] == new.lengths.tolist()
 
 
-def test_nothing_is_nothing_to_learn_from(tmp_path: Path) -> None:
-    drive = random_episode(np.random.default_rng(0), 2)
-    drive.columns["queried"][:] = False
-    raw = write(tmp_path / "rollout", [drive])
-    select(raw, tmp_path / "new")
-    for path, frames in ((raw.path, 2), (tmp_path / "new", 0)):
-        with pytest.raises(ValueError, match=f"^{path}: of {frames} frames none has a label"):
-            labelled(Dataset.open(path))
+def test_nothing_is_nothing_to_learn_from(unasked: Dataset, nothing: Dataset) -> None:
+    for dataset in (unasked, nothing):
+        problem = f"^{dataset.path}: of {len(dataset)} frames none has a label"
+        with pytest.raises(ValueError, match=problem):
+            labelled(dataset)
 
 
 def test_a_dataset_without_core_columns_is_demonstrations(

@@ -30,9 +30,8 @@ def test_iteration_zero_is_what_the_reference_drove(d_0: Dataset) -> None:
 
 def test_dagger_pays_for_labels_that_it_throws_away(d_0: Dataset, tmp_path: Path) -> None:
     # all ten rows labelled while the primary drives, of which five are kept
-    raw = random_episode(np.random.default_rng(0), 10, iteration=1)
-    raw.columns["intervention"][:], raw.columns["queried"][:] = False, True
-    driven = write(tmp_path / "raw", [raw])
+    drive = random_episode(np.random.default_rng(0), 10, asked=[Asked.MIXTURE] * 10)
+    driven = write(tmp_path / "raw", [drive])
     sample(driven, tmp_path / "selected", 5, seed=0)
     merge([d_0, Dataset.open(tmp_path / "selected")], tmp_path / "D_1")
     assert cost(driven, Dataset.open(tmp_path / "D_1")) == (10, 10, 5, 12, 0.0)
@@ -74,15 +73,11 @@ def test_a_ledger_is_plain_numbers(d_0: Dataset) -> None:
     assert kinds == [int] * 4 + [float] + [int] * 6
 
 
-def test_a_rollout_in_which_nothing_was_asked_cost_nothing(d_0: Dataset, tmp_path: Path) -> None:
-    drive = random_episode(np.random.default_rng(0), 4, iteration=1)
-    for name in ("intervention", "queried"):
-        drive.columns[name][:] = False
-    driven = write(tmp_path / "raw", [drive])
-    select(driven, tmp_path / "selected")
-    nothing = Dataset.open(tmp_path / "selected")
+def test_a_rollout_in_which_nothing_was_asked_cost_nothing(
+    d_0: Dataset, unasked: Dataset, nothing: Dataset, tmp_path: Path
+) -> None:
     merge([d_0, nothing], tmp_path / "D_1")
-    assert cost(driven, Dataset.open(tmp_path / "D_1")) == (4, 0, 0, 7, 0.0)
+    assert cost(unasked, Dataset.open(tmp_path / "D_1")) == (4, 0, 0, 7, 0.0)
     assert cost(nothing, d_0) == (0, 0, 0, 7, 0.0)
     assert {each for each in collected(nothing).values() if each is not None} == {0}
 
@@ -101,11 +96,7 @@ DRIVES = st.lists(
 
 def drive(asked: list[Asked], track: str, touches: int, ended: str) -> Episode:
     """Of the car, as it is recorded."""
-    episode = random_episode(np.random.default_rng(0), len(asked), task=track, iteration=1)
-    because = np.array(asked)[:, None]
-    episode.columns["asked_because"][:] = because
-    episode.columns["queried"][:] = because != Asked.NOT
-    episode.columns["intervention"][:] = because == Asked.DROVE
+    episode = random_episode(np.random.default_rng(0), len(asked), task=track, asked=asked)
     told = {"touches": float(touches), "off_road": float(ended == "road left"), "ended": ended}
     return replace(episode, ending=told | {"put_back": int(ended != "laps done")})
 

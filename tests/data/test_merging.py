@@ -1,18 +1,19 @@
 from pathlib import Path
 
 import numpy as np
+import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
 
 from pipeline.data.dataset import Dataset
-from pipeline.data.images import read_episodes
+from pipeline.data.images import read_episodes, read_images, read_some_images
 from pipeline.data.merging import filled, merge
 from pipeline.data.schema import Episode
 from pipeline.data.writing import Summary
-from pipeline.driving.features import FEATURES
-from tests.data.conftest import tree
-from tests.data.spoiling import Spoil, change_feature, change_info, copy, drop_column
+from pipeline.driving.features import CAMERA, FEATURES
+from tests.data.spoiling import DATA, Spoil, change_feature, change_info, copy, drop_column
 from tests.episodes import random_episode, write
+from tests.files import tree
 
 
 def test_merged_are_the_episodes_of_all_in_order(
@@ -24,6 +25,9 @@ def test_merged_are_the_episodes_of_all_in_order(
         for name in FEATURES.keys() - {"source.dataset"}:
             np.testing.assert_array_equal(episode.columns[name], part.columns[name])
     assert d_1.episode_index.tolist() == [0] * 4 + [1] * 3 + [2] * 5 + [3] + [4] * 4
+    rows = [0, 6, 7, 16]  # of both files
+    some, every = read_some_images(d_1, CAMERA, rows), read_images(d_1, CAMERA)
+    np.testing.assert_array_equal(some, every[rows])
 
 
 def test_three_at_once_are_what_two_and_one_are(
@@ -80,10 +84,6 @@ def test_columns_that_one_side_lacks_are_filled(
 
 
 def _add_signal(path: Path) -> None:
-    import pyarrow as pa
-
-    from tests.data.spoiling import DATA
-
     table = pq.ParquetFile(path / DATA).read()
     pq.write_table(
         table.append_column("signal.novelty", pa.array(np.arange(len(table), dtype=np.float32))),

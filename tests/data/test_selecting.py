@@ -17,9 +17,9 @@ from pipeline.data.schema import Asked, Episode
 from pipeline.data.selecting import sample, select, split
 from pipeline.data.stored import pngs
 from pipeline.driving.features import CAMERA, FEATURES
-from tests.data.conftest import tree
 from tests.data.spoiling import copy, drop_column, set_last_image
 from tests.episodes import random_episode, write
+from tests.files import tree
 
 
 @given(st.lists(st.booleans(), max_size=40))
@@ -56,11 +56,7 @@ def test_selection_keeps_what_was_asked_as_it_was(
 
 def test_what_was_audited_is_selected_apart(tmp_path: Path) -> None:
     """A label that was paid for, though the primary drove: no D_i has it."""
-    drive = random_episode(np.random.default_rng(0), 8)
-    why = np.array([-1, 0, 1, -1, 1, -1, 0, 2])
-    drive.columns["asked_because"][:, 0] = why
-    drive.columns["queried"][:, 0] = why != Asked.NOT
-    drive.columns["intervention"][:, 0] = why == Asked.DROVE
+    drive = random_episode(np.random.default_rng(0), 8, asked=[-1, 0, 1, -1, 1, -1, 0, 2])
     rollout = write(tmp_path / "rollout", [drive])
     for because, frames in ((Asked.DROVE, [1, 6]), (Asked.AUDIT, [2, 4]), (Asked.MIXTURE, [7])):
         select(rollout, tmp_path / because.name, because)
@@ -72,11 +68,9 @@ def test_what_was_audited_is_selected_apart(tmp_path: Path) -> None:
 
 def test_context_is_kept_as_it_was_and_joins_what_overlaps(tmp_path: Path) -> None:
     """At 10 frames per second, 0.2 s before and 0.1 s after, within an episode."""
-    drives = [random_episode(np.random.default_rng(0), 10, episode=n) for n in (0, 1)]
-    for drive, asked in zip(drives, ((0, 5, 6, 9), (3,)), strict=True):
-        for name in ("intervention", "queried"):
-            drive.columns[name][:, 0] = np.isin(np.arange(10), asked)
-        drive.columns["asked_because"][:] = np.where(drive.columns["queried"], 0, -1)
+    reasons = [np.where(np.isin(range(10), of), 0, -1) for of in ((0, 5, 6, 9), (3,))]
+    rng = np.random.default_rng(0)
+    drives = [random_episode(rng, 10, episode=n, asked=of) for n, of in enumerate(reasons)]
     rollout = write(tmp_path / "rollout", drives)
     summary = select(rollout, tmp_path / "new", before=0.2, after=0.1)
     assert (summary.episodes, summary.frames, summary.queries) == (3, 2 + 7 + 4, 5)
@@ -192,9 +186,8 @@ def test_a_sample_has_so_many_frames_each_at_most_once_and_no_gaps(
 ) -> None:
     assert sample(rollout_1, tmp_path / "new", frames, seed=1).frames == frames
     new = Dataset.open(tmp_path / "new")
-    rows = list(
-        zip(*(new.column(f"source.{n}").tolist() for n in ("episode", "frame")), strict=True)
-    )
+    episode, frame = (new.column(f"source.{name}").tolist() for name in ("episode", "frame"))
+    rows = list(zip(episode, frame, strict=True))
     assert len(set(rows)) == frames
     assert rows == sorted(rows)
     for start, stop in new.bounds:
@@ -237,11 +230,7 @@ def test_whole_episodes_are_set_aside(tmp_path: Path, share: float, count: int) 
 
 def test_an_audit_is_no_context(tmp_path: Path) -> None:
     """It has a label, so whoever trains on the selection would learn from it."""
-    drive = random_episode(np.random.default_rng(0), 8)
-    why = np.array([-1, 1, -1, 0, -1, 1, -1, -1])
-    drive.columns["asked_because"][:, 0] = why
-    drive.columns["queried"][:, 0] = why != Asked.NOT
-    drive.columns["intervention"][:, 0] = why == Asked.DROVE
+    drive = random_episode(np.random.default_rng(0), 8, asked=[-1, 1, -1, 0, -1, 1, -1, -1])
     select(write(tmp_path / "rollout", [drive]), tmp_path / "new", before=0.3, after=0.3)
     new = Dataset.open(tmp_path / "new")
     assert new.column("source.frame").tolist() == [0, 2, 3, 4, 6]

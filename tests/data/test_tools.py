@@ -13,7 +13,8 @@ from pipeline.data.images import read_episodes
 from pipeline.data.merging import merge
 from pipeline.data.schema import Episode
 from pipeline.driving.features import CAMERA, FEATURES, ROBOT_TYPE
-from tests.data.conftest import strict_json
+from tests.episodes import random_episode, write
+from tests.files import strict_json
 
 NOBODY_KNOWS = ("primary_action", "safe_probability", "deviation")  # where the reference drives
 NUMBERS = [name for name in FEATURES if name != CAMERA]
@@ -115,16 +116,9 @@ def test_statistics_stay_free_of_nan_where_nothing_has_a_value(
     np.testing.assert_allclose(statistics["action"]["mean"], action.mean(axis=0), atol=1e-6)
     # and whoever merges it here gets those of what there is
     other = Dataset.open(tmp_path / "less")
-    merge([other, _renamed(d_0, tmp_path)], tmp_path / "both")
+    drive = random_episode(np.random.default_rng(9), 2, reference_only=True)
+    merge([other, write(tmp_path / "more", [drive], "D_safe")], tmp_path / "both")
     assert "primary_action" not in strict_json(tmp_path / "both" / "meta" / "stats.json")
-
-
-def _renamed(d_0: Dataset, tmp_path: Path) -> Dataset:
-    """Other frames of the same robot."""
-    from tests.episodes import random_episode, write
-
-    rng = np.random.default_rng(9)
-    return write(tmp_path / "more", [random_episode(rng, 2, reference_only=True)], "D_safe")
 
 
 def test_lerobot_merges_what_is_merged(

@@ -9,19 +9,19 @@ import pytest
 
 from pipeline.data.dataset import DRIVES, Dataset
 from pipeline.data.lineage import Recipe
-from pipeline.data.schema import Episode
+from pipeline.data.schema import Asked, Episode
 from pipeline.data.writing import Summary, write_dataset
 from pipeline.driving.features import CAMERA, FEATURES
-from tests.data.conftest import strict_json
 from tests.episodes import random_episode, write
+from tests.files import strict_json
 
 NUMBERS = [name for name in FEATURES if name != CAMERA]
 
 
 def test_summary_counts(tmp_path: Path) -> None:
     rng = np.random.default_rng(0)
-    driven, labelled = random_episode(rng, 3, reference_only=True), random_episode(rng, 2)
-    labelled.columns["intervention"][:], labelled.columns["queried"][:] = False, [[True], [False]]
+    driven = random_episode(rng, 3, reference_only=True)
+    labelled = random_episode(rng, 2, asked=[Asked.AUDIT, Asked.NOT])
     recipe = Recipe("D_0", {})
     summary = write_dataset(tmp_path / "D", [driven, labelled], recipe, fps=6, robot="car")
     # a query each: three rows that the reference drove, and one that it only labelled

@@ -1,6 +1,5 @@
 """The primary as a LeRobot policy: saved, loaded strictly, and run by LeRobot's tools."""
 
-import json
 from collections.abc import Callable
 from pathlib import Path
 from types import SimpleNamespace
@@ -16,6 +15,7 @@ from pipeline.driving.network import LossWeights, PrimaryNetwork
 from pipeline.driving.policy import PrimaryConfig, PrimaryPolicy
 from pipeline.policies.inference import Driver
 from pipeline.policies.loading import load_primary
+from tests.files import rewrite, tree
 
 torch.set_num_threads(1)
 
@@ -39,10 +39,6 @@ def saved(tmp_path: Path) -> Path:
     return tmp_path / "primary_0"
 
 
-def bytes_of(directory: Path) -> dict[str, bytes]:
-    return {path.name: path.read_bytes() for path in directory.iterdir()}
-
-
 def test_it_is_loaded_as_it_was_saved(saved, capsys):
     policy = PrimaryPolicy.from_pretrained(saved)
     assert policy.config == make(brake_cut=0.6, loss=LossWeights(steering=7.0)).config
@@ -51,9 +47,9 @@ def test_it_is_loaded_as_it_was_saved(saved, capsys):
         assert torch.equal(weights, again)
     assert capsys.readouterr().out == ""
     assert (policy.config.device, policy.config.push_to_hub) == ("cpu", False)
-    assert set(bytes_of(saved)) == FILES
+    assert set(tree(saved)) == FILES
     policy.save_pretrained(saved.with_name("again"))
-    assert bytes_of(saved) == bytes_of(saved.with_name("again"))
+    assert tree(saved) == tree(saved.with_name("again"))
 
 
 def test_it_acts_as_the_driver_does(saved):
@@ -95,12 +91,7 @@ def test_lerobots_tools_find_make_and_run_it(saved):
 
 def told(**fields) -> Damage:
     """Fields of config.json that say something else."""
-
-    def change(directory: Path) -> None:
-        path = directory / "config.json"
-        path.write_text(json.dumps(json.loads(path.read_text()) | fields))
-
-    return change
+    return lambda directory: rewrite(directory / "config.json", **fields)
 
 
 def weighed(change: Callable[[dict], dict]) -> Damage:

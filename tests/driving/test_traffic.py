@@ -58,7 +58,6 @@ def test_a_track_fills_up_to_what_it_says_of_more(name: str, traffic: int) -> No
     with pytest.raises(ValueError) as error:
         start(track, traffic, (0.0, 0.0), rng)
     told = re.fullmatch(rf"traffic is {traffic}, .* 0 to (\d+) .* {name}", str(error.value))
-    assert told is not None
     assert len(start(track, int(told[1]), (0.0, 0.0), rng)) == int(told[1]) + 1
 
 

@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from pathlib import Path
 from typing import Any
 
 import pandas as pd
@@ -9,12 +10,15 @@ import pandas as pd
 from pipeline.driving.metrics import FAILURES
 from pipeline.evaluation.drives import among, table
 from pipeline.evaluation.experiment import D_SAFE, HELD_OUT, Experiment, Tables
-from pipeline.evaluation.files import ErrorShares
+from pipeline.evaluation.files import Ledger
 from pipeline.metric import QUALITY
-from pipeline.report.material import Material
 from pipeline.rollout.strategies import Strategy
-from tests.evaluation.sample import CARS, COMPARISON, TRACKS, outcome
+from pipeline.runs import Comparison, read_params
 
+ROOT = Path(__file__).parents[2]
+COMPARISON = Comparison.of(read_params(ROOT / "scales/experiment.yaml"))
+TRACKS = ("spruce", "willow", "yew")
+CARS = 40
 FRAMES = 1000
 SPECS = COMPARISON.runs
 TITLES = {name: run.name for name, run in SPECS.items()}
@@ -77,18 +81,61 @@ def ending(levels: list[Level], **changes: Any) -> list[Level]:
     return [*levels[:-1], replace(levels[-1], **changes)]
 
 
+def outcome(**changes: Any) -> dict[str, Any]:
+    """A drive that left the road half-way round the second lap."""
+    values: dict[str, Any] = {
+        "scenario": "yew",
+        "condition": "traffic" if changes.get("traffic") else "no_traffic",
+        "traffic": 0.0,
+        "strategy": "naive",
+        "start": 0,
+        "laps": 1.5,
+        "distance_m": 900.0,
+        "damage": 0.0,
+        "touches": 0.0,
+        "frames": 500,
+        "takeover_frames": 0,
+        "primary_frames": 500,
+        "takeovers": 0,
+        "switches": 0,
+        "deviation_sum": 5.0,
+        "off_road": 1.0,
+        "ended": "road left",
+        "primary": "0" * 64,
+        "begun_with": "0" * 64,
+        "processor": "made up",
+    }
+    return values | changes
+
+
+def drives(level: Level, starts: int = 4) -> pd.DataFrame:
+    """By both strategies, in both conditions, on all of TRACKS."""
+    return table(
+        _drive(level, strategy, number, track, start)
+        for strategy in (Strategy.NAIVE, Strategy.SAFE)
+        for number in (0, 1)
+        for track in TRACKS
+        for start in range(starts)
+    )
+
+
+def ledger(**counted: float) -> dict[str, float]:
+    """Of an iteration; nothing of what is not said, and the reference drove all of it."""
+    names = (*Ledger.model_fields, *(f"failures.{kind}" for kind in FAILURES))
+    return dict.fromkeys(names, 0) | {"takeover": 1.0} | counted
+
+
 def experiment(table: Table, seeds: int = 1, starts: int = 4) -> Experiment:
-    """Every run's iterations from 0, on all of TRACKS; the seeds are equal, each with a D_safe."""
+    """Every run's iterations from 0; the seeds are equal, each with a D_safe."""
     steps = [
         _step(seed, run, iteration, level, starts)
         for seed in range(seeds)
         for run, levels in table.items()
         for iteration, level in enumerate(levels)
     ]
-    d_safe = {"queries": 5600, "frames_driven": 5600, "frames_trained": 5600, "takeover": 1.0}
+    d_safe = ledger(frames_driven=5600, queries=5600, frames_selected=5600, frames_trained=5600)
     steps += [
-        Tables(ledgers=pd.DataFrame([{**_at(seed, D_SAFE, 0), **d_safe, "frames_selected": 5600}]))
-        for seed in range(seeds)
+        Tables(ledgers=pd.DataFrame([_at(seed, D_SAFE, 0) | d_safe])) for seed in range(seeds)
     ]
     return Experiment(**vars(Tables.joined(steps)), specs=SPECS)
 
@@ -133,53 +180,30 @@ def with_optimal(
     return replace(made_up, drives=pd.concat([made_up.drives, optimal], ignore_index=True))
 
 
-def material(made_up: Experiment, **changes: Any) -> Material:
-    """An experiment, and each seed's errors; nothing else beside it."""
-    safe = {"trained_on": {"share_safe": 0.95}, "held_out": {"share_safe": 0.8}}
-    safe["held_out"]["tau_for_share"] = 0.0018
-    shares = ErrorShares.model_validate({"tau": 0.0025, "share": 0.777, **safe})
-    parts: dict[str, Any] = {
-        "thresholds": Tables(),
-        "scratch": Tables(),
-        "errors": dict.fromkeys(made_up.seeds, shares),
-        "curves": Experiment(specs={}),
-    }
-    return Material(made_up, **parts | changes)
-
-
 def _changed(rows: pd.DataFrame, changes: Mapping[str, Any], **values: Any) -> pd.DataFrame:
     rows = rows.reset_index(drop=True)
-    here = among(rows, **values).index
+    here = rows.index.isin(among(rows, **values).index)
     for name, value in changes.items():
-        rows[name] = rows[name].astype(float) if name in rows else 0.0
-        rows.loc[here, name] = value(rows.loc[here]) if callable(value) else value
+        before = rows[name] if name in rows else pd.Series(0.0, rows.index)
+        rows[name] = before.mask(here, value(rows) if callable(value) else value)
     return rows
 
 
 def _at(seed: int, run: str, iteration: int) -> dict[str, Any]:
-    step = f"{run}_{iteration}" if iteration else "0"
+    step = f"{run}_{iteration}" if iteration else D_SAFE if run == D_SAFE else "0"
     return {"seed": seed, "run": run, "iteration": iteration, "step": step}
 
 
 def _step(seed: int, run: str, iteration: int, level: Level, starts: int) -> Tables:
     at = _at(seed, run, iteration)
-    drives = table(
-        _drive(level, strategy, number, track, start)
-        for strategy in (Strategy.NAIVE, Strategy.SAFE)
-        for number in (0, 1)
-        for track in TRACKS
-        for start in range(starts)
-    )
-    ledger = {"frames_driven": FRAMES, "queries": level.queries, "frames_selected": FRAMES}
-    ledger |= {"frames_trained": FRAMES, "takeover": 0.3}
-    ledger |= {"calls": 60, "frames_of_calls": 300, "switches": 118, "drives": 4, "scenarios": 3}
-    ledger |= {"audits": 0, "put_back": 0, "failures": level.failures}
-    ledger |= {f"failures.{kind}": 0 for kind in FAILURES} | {"failures.touches": level.failures}
-    nothing = {**dict.fromkeys(QUALITY, float("nan")), "calibration": []}
+    counted = {"failures": level.failures, "failures.touches": level.failures, "takeover": 0.3}
+    counted |= dict.fromkeys(("frames_driven", "frames_selected", "frames_trained"), FRAMES)
+    counted |= {"calls": 60, "frames_of_calls": 300, "switches": 118, "drives": 4, "scenarios": 3}
+    unknown = {**dict.fromkeys(QUALITY, float("nan")), "calibration": []}
     return Tables(
-        drives=drives.assign(**at, **{"task.laps": 3.0}),
-        ledgers=pd.DataFrame([at | ledger]),
-        quality=pd.DataFrame([{**at, "judged_on": HELD_OUT, "tau": 0.0025, **nothing}]),
+        drives=drives(level, starts).assign(**at, **{"task.laps": 3.0}),
+        ledgers=pd.DataFrame([at | ledger(queries=level.queries, **counted)]),
+        quality=pd.DataFrame([{**at, "judged_on": HELD_OUT, "tau": 0.0025, **unknown}]),
     )
 
 

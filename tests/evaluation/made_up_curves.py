@@ -2,17 +2,15 @@
 
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
 
 import pandas as pd
 
 from pipeline.evaluation.drives import table, write_drives
 from pipeline.evaluation.experiment import D_SAFE, Experiment, Tables
-from pipeline.evaluation.files import Ledger
 from pipeline.evaluation.writing import write_metrics
 from pipeline.output import write_file
 from pipeline.runs import Comparison, read_params
-from tests.evaluation.sample import CARS, ROOT, outcome
+from tests.evaluation.made_up import CARS, ROOT, ledger, outcome
 
 SPECS = Comparison.of(read_params(ROOT / "scales/curves.yaml")).runs
 D_0, SAFE_LABELS = 2800, 5600
@@ -51,18 +49,18 @@ def drives(share: float, tracks: int = 40) -> pd.DataFrame:
     )
 
 
-def counted(queries: int) -> dict[str, Any]:
+def counted(queries: int) -> dict[str, float]:
     """A ledger in which the reference drove each frame that it was asked in, in ten calls."""
-    return dict.fromkeys(Ledger.model_fields, 0) | {
-        "frames_driven": 2 * queries,
-        "queries": queries,
-        "frames_selected": queries,
-        "frames_trained": D_0 + queries,
-        "takeover": 0.5,
-        "calls": 10,
-        "frames_of_calls": queries,
-        "failures": 1,
-    }
+    return ledger(
+        frames_driven=2 * queries,
+        queries=queries,
+        frames_selected=queries,
+        frames_trained=D_0 + queries,
+        takeover=0.5,
+        calls=10,
+        frames_of_calls=queries,
+        failures=1,
+    )
 
 
 def write_seed(folder: Path, *steps: str, ledgers: bool = True) -> Path:

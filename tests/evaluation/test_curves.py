@@ -99,7 +99,7 @@ def test_the_exact_interval_is_that_of_the_tables() -> None:
 def test_success_is_exact_on_one_seed_and_resampled_over_several() -> None:
     def of(made_up: Experiment) -> tuple[float, float]:
         found = success(made_up, "dagger500", 3, "traffic")
-        assert found is not None and found.value == 0.95
+        assert found.value == 0.95
         return found.low, found.high
 
     assert of(curves({"dagger500": 0.95})) == (exact(38, 40).low, exact(38, 40).high)
@@ -113,6 +113,5 @@ def test_more_drives_narrow_the_interval() -> None:
         widths = []
         for tracks in (20, 40, 80, 160):
             found = success(curves({"dagger500": 0.9}, seeds, tracks), "dagger500", 3, "traffic")
-            assert found is not None
             widths.append(found.high - found.low)
         assert widths == sorted(widths, reverse=True)

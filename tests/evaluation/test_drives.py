@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from pipeline.evaluation.drives import COLUMNS, among, read_drives, table, write_drives
 from pipeline.rollout.strategies import Strategy
-from tests.evaluation.sample import drives, outcome
+from tests.evaluation.made_up import FIRST, drives, outcome
 
 amounts = st.floats(0, 1e9)
 counts = st.integers(0, 10**6)
@@ -52,7 +52,9 @@ def test_one_row_reads_as_expected(tmp_path: Path) -> None:
 
 
 def test_drives_are_told_apart_by_their_columns() -> None:
-    found = among(drives(1), scenario="yew", strategy=["naive", "safe"], condition=("traffic",))
+    found = among(
+        drives(FIRST, starts=2), scenario="yew", strategy=["naive", "safe"], condition=("traffic",)
+    )
     assert len(found) == 4
     assert set(found.scenario) == {"yew"} and set(found.condition) == {"traffic"}
 

@@ -7,25 +7,28 @@ from typing import Any
 import pytest
 
 from pipeline.evaluation.files import ErrorShares, Ledger, Quality, Rows, read_json
-from tests.evaluation.sample import quality, write_run
+from tests.evaluation.written import quality, write_run
+
+
+def changed(path: Path, *lost: str, **values: Any) -> Path:
+    """With a first row that lacks some of its values, and has others."""
+    content = json.loads(path.read_text())
+    row = content["rows"][0] | values
+    content["rows"][0] = {name: value for name, value in row.items() if name not in lost}
+    path.write_text(json.dumps(content))
+    return path
 
 
 def test_rows_are_read_and_the_rest_left_alone(tmp_path: Path) -> None:
-    path = write_run(tmp_path) / "safety_0.json"
-    content = json.loads(path.read_text())
-    content["rows"][0] |= {"recall": None, "more": 3}
-    path.write_text(json.dumps(content))
+    path = changed(write_run(tmp_path) / "safety_0.json", recall=None, more=3)
     (found,) = read_json(path, Rows[Quality]).rows
     assert (found.tau, found.auroc, found.recall) == (0.0025, 0.9, None)
     assert found.calibration == quality(0.9)["calibration"]
 
 
 def test_what_older_metrics_lack_is_none(tmp_path: Path) -> None:
-    path = write_run(tmp_path) / "safety_0.json"
-    content = json.loads(path.read_text())
-    for name in ("average_precision", "calibration_error", "calibration"):
-        del content["rows"][0][name]
-    path.write_text(json.dumps(content))
+    lost = ("average_precision", "calibration_error", "calibration")
+    path = changed(write_run(tmp_path) / "safety_0.json", *lost)
     (found,) = read_json(path, Rows[Quality]).rows
     assert (found.average_precision, found.calibration_error, found.calibration) == (None, None, [])
 
@@ -46,24 +49,20 @@ def test_a_missing_file_is_named(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("value", "problem"),
+    ("values", "problem"),
     [
-        (None, "rows.0.queries: Input should be a valid integer"),
-        ("9", "rows.0.queries: Input should be a valid integer"),
-        (True, "rows.0.queries: Input should be a valid integer"),
-        (..., "rows.0.queries: Field required"),
+        ({"queries": None}, "Input should be a valid integer"),
+        ({"queries": "9"}, "Input should be a valid integer"),
+        ({"queries": True}, "Input should be a valid integer"),
+        ({}, "Field required"),
     ],
 )
-def test_a_wrong_value_is_named(tmp_path: Path, value: Any, problem: str) -> None:
+def test_a_wrong_value_is_named(tmp_path: Path, values: dict[str, Any], problem: str) -> None:
     path = write_run(tmp_path) / "ledger_D_safedagger_1.json"
-    content = json.loads(path.read_text())
-    del content["rows"][0]["queries"]
-    if value is not ...:
-        content["rows"][0]["queries"] = value
-    path.write_text(json.dumps(content))
+    changed(path, *({"queries"} - values.keys()), **values)
     with pytest.raises(ValueError) as error:
         read_json(path, Rows[Ledger])
-    assert str(error.value) == f"{path}: {problem}"
+    assert str(error.value) == f"{path}: rows.0.queries: {problem}"
 
 
 @pytest.mark.parametrize("content", ["", "{", '{"tau": NaN}', "[]", "{}"])

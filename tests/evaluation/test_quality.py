@@ -3,7 +3,7 @@
 from pipeline.evaluation.quality import calibration_picture, quality_table
 from pipeline.inspection.canvas import png
 from pipeline.metric import QUALITY
-from tests.evaluation.sample import quality
+from tests.evaluation.written import quality
 
 
 def test_a_row_for_each_situation_and_a_dash_where_nothing_is_known() -> None:

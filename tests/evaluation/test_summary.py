@@ -15,7 +15,10 @@ from pipeline.evaluation.drives import among, table
 from pipeline.evaluation.summary import headline, measure
 from pipeline.evaluation.writing import write_metrics, write_rows
 from pipeline.metric import QUALITY
-from tests.evaluation.sample import drives, outcome, quality
+from tests.evaluation.made_up import GROWING, drives, outcome
+from tests.evaluation.written import quality
+
+DRIVES = drives(GROWING[1], starts=2)
 
 
 def measured(*rows: dict[str, Any]) -> dict[str, Any]:
@@ -83,19 +86,19 @@ def test_known_drives_give_known_metrics(
 
 @given(st.integers(0, 2**32 - 1))
 def test_the_order_of_the_drives_does_not_matter(seed: int) -> None:
-    shuffled = drives(1).sample(frac=1, random_state=seed)
-    assert measure(shuffled, METRICS) == measure(drives(1), METRICS)
+    shuffled = DRIVES.sample(frac=1, random_state=seed)
+    assert measure(shuffled, METRICS) == measure(DRIVES, METRICS)
 
 
 def test_dvc_shows_few_numbers_of_each_policy(tmp_path: Path) -> None:
-    found = headline(drives(1), METRICS)
+    found = headline(DRIVES, METRICS)
     assert {name: set(metrics) for name, metrics in found.items()} == {
         "naive": {"laps", "success", "failures"},
         "safe": {"laps", "takeover"},
     }
-    safe = measure(among(drives(1), strategy="safe"), METRICS)
+    safe = measure(among(DRIVES, strategy="safe"), METRICS)
     assert found["safe"]["laps"] == safe["laps"]
-    alone = headline(among(drives(1), strategy="naive"), METRICS)
+    alone = headline(among(DRIVES, strategy="naive"), METRICS)
     assert set(alone) == {"naive"}
 
 
@@ -111,7 +114,7 @@ def test_of_a_row_dvc_shows_what_its_metrics_say(tmp_path: Path) -> None:
 
 def test_no_drives_no_metrics() -> None:
     with pytest.raises(ValueError, match="no drives, expected at least one"):
-        measure(drives(1)[:0], METRICS)
+        measure(DRIVES[:0], METRICS)
 
 
 def test_metrics_are_strict_json_with_stable_bytes(tmp_path: Path) -> None:

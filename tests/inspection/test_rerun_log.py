@@ -1,8 +1,5 @@
-"""Recordings, read back from the file; and a viewer that nobody else can reach."""
+"""Recordings, read back from the file."""
 
-import os
-import re
-import socket
 import weakref
 from collections import Counter
 from pathlib import Path
@@ -14,7 +11,7 @@ from rerun.experimental import RrdReader
 
 from pipeline.data.dataset import Dataset
 from pipeline.data.schema import Episode
-from pipeline.driving.features import AFFORDANCES, CAMERA
+from pipeline.driving.features import ACTIONS, AFFORDANCES, CAMERA
 from pipeline.inspection.excerpts import (
     Excerpt,
     around_takeovers,
@@ -23,33 +20,20 @@ from pipeline.inspection.excerpts import (
 )
 from pipeline.inspection.rerun_blueprints import drive_blueprint
 from pipeline.inspection.rerun_log import log_excerpt
-from pipeline.inspection.rerun_sinks import into_file, into_viewer
+from pipeline.inspection.rerun_sinks import into_file
 from tests.episodes import LABELS, random_episode, write
 from tests.inspection.saved import column, origins, recordings
 
 FPS, CUT, TAU = 10, 0.25, 0.01
 BLUEPRINT = drive_blueprint(FPS)
-LANES = {f"/around/{name}" for name in AFFORDANCES[:5]} | {
-    "/who/drove",
-    "/who/was_asked",
-    "/who/deviation",
-}
+LANES = {f"/around/{name}" for name in AFFORDANCES[:5]}
+LANES |= {f"/who/{name}" for name in ("drove", "was_asked", "deviation")}
 PLOTS = {
-    "/action/primary_steering",
-    "/action/primary_brake",
-    "/action/reference_steering",
-    "/action/reference_brake",
-    "/safe_probability/safe_probability",
-    "/safe_probability/cut",
-    "/safe_probability/reference_drives",
-    "/deviation/deviation",
-    "/deviation/tau",
-    "/distance/distance_left",
-    "/distance/distance_ahead",
-    "/distance/distance_right",
-    "/in_lane/lane_position",
-    "/in_lane/lane_angle",
-    "/speed/speed",
+    *(f"/action/{who}_{what}" for who in ("primary", "reference") for what in ACTIONS),
+    *(f"/safe_probability/{name}" for name in ("safe_probability", "cut", "reference_drives")),
+    *("/deviation/deviation", "/deviation/tau", "/speed/speed"),
+    *(f"/distance/{name}" for name in AFFORDANCES[5:8]),
+    *(f"/in_lane/{name}" for name in AFFORDANCES[8:]),
 }
 TOP_VIEW = {f"/top_view/{name}" for name in ("driven", "others", "car", "heading")}
 
@@ -212,7 +196,6 @@ def test_few_episodes_are_in_memory_at_a_time(tmp_path: Path) -> None:
     seen: list[weakref.ref[np.ndarray]] = []
     for excerpt in around_takeovers(many, ranked_takeovers(many)):
         images = excerpt.episode.columns[CAMERA].base
-        assert isinstance(images, np.ndarray)
         if not any(images is image() for image in seen):
             seen.append(weakref.ref(images))
         del images, excerpt
@@ -223,73 +206,3 @@ def test_few_episodes_are_in_memory_at_a_time(tmp_path: Path) -> None:
 def test_where_the_reference_drove_alone_is_no_takeover(dataset: Dataset) -> None:
     with pytest.raises(ValueError, match="episode 0 has no takeovers"):
         ranked_takeovers(dataset, 0)
-
-
-def test_a_file_is_never_overwritten_and_never_half_there(dataset: Dataset, tmp_path: Path) -> None:
-    (tmp_path / "mine.rrd").write_text("precious")
-    with pytest.raises(FileExistsError, match="exists already"):
-        save(tmp_path / "mine.rrd", [])
-    with pytest.raises(ValueError, match=r"ends in \.rrd"):
-        save(tmp_path / "mine.txt", [])
-    with pytest.raises(KeyboardInterrupt), into_file(tmp_path / "new.rrd", BLUEPRINT) as sink:
-        log_excerpt(next(whole_episodes(dataset)), sink.connect, fps=FPS)
-        raise KeyboardInterrupt
-    excerpt = next(whole_episodes(dataset))
-    with pytest.raises(FileExistsError), into_file(tmp_path / "late.rrd", BLUEPRINT) as sink:
-        log_excerpt(excerpt, sink.connect, fps=FPS)
-        (tmp_path / "late.rrd").write_text("precious")
-    assert sorted(path.name for path in tmp_path.iterdir()) == ["late.rrd", "mine.rrd"]
-    assert {path.read_text() for path in tmp_path.iterdir()} == {"precious"}
-
-
-@pytest.mark.skipif(not Path("/proc/net/tcp").exists(), reason="lists who listens, on Linux")
-def test_only_this_machine_reaches_the_page(dataset: Dataset) -> None:
-    with pytest.raises(KeyboardInterrupt), into_viewer(BLUEPRINT, web=True) as sink:
-        log_excerpt(next(whole_episodes(dataset)), sink.connect, fps=FPS)
-        ports = [int(port) for port in re.findall(r"127\.0\.0\.1(?::|%3A)(\d+)", sink.page or "")]
-        assert len(ports) == 2
-        assert [listening(port) for port in ports] == [{"0100007F"}, {"0100007F"}]
-        assert sink.is_open()
-        raise KeyboardInterrupt
-    assert not sink.is_open()
-    for port in ports:
-        with socket.socket() as probe:
-            assert probe.connect_ex(("127.0.0.1", port)) != 0
-
-
-def test_the_page_is_where_it_is_wanted_and_its_data_is_next() -> None:
-    with socket.socket() as probe:
-        probe.bind(("127.0.0.1", 0))
-        taken = probe.getsockname()[1]
-        probe.listen()
-        for port in (taken, taken - 1):
-            with (
-                pytest.raises(ValueError, match=f"port {taken}: .* expected a free one"),
-                into_viewer(BLUEPRINT, web=True, port=port),
-            ):
-                pass
-    with pytest.raises(KeyboardInterrupt), into_viewer(BLUEPRINT, web=True, port=taken) as sink:
-        assert sink.ports == (taken, taken + 1)
-        assert f"http://127.0.0.1:{taken}/" in (sink.page or "")
-        raise KeyboardInterrupt
-
-
-def listening(port: int) -> set[str]:
-    """The addresses, in hexadecimal, that are listened to on a port."""
-    lines = [line.split() for name in ("tcp", "tcp6") for line in table(name)]
-    sockets = [(*line[1].split(":"), line[3]) for line in lines]
-    return {host for host, where, state in sockets if int(where, 16) == port and state == "0A"}
-
-
-def table(name: str) -> list[str]:
-    path = Path("/proc/net") / name
-    return path.read_text().splitlines()[1:] if path.exists() else []
-
-
-def test_a_window_needs_a_display(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(
-        "pipeline.inspection.rerun_sinks._ENVIRONMENT",
-        {"PATH": os.environ["PATH"], "RERUN_ANALYTICS": "0"},
-    )
-    with pytest.raises(ValueError, match="use --web or --save"), into_viewer(BLUEPRINT, web=False):
-        pass

@@ -21,8 +21,8 @@ def test_every_track_has_its_two_panels(names: list[str]) -> None:
         assert bottom < line.y.min() and line.y.max() < top
     for axes in frames:
         (image,) = axes.get_images()
-        assert image.get_array().shape == (72, 160, 3)  # type: ignore[union-attr]
-        assert np.std(image.get_array()) > 10  # type: ignore[arg-type]
+        assert image.get_array().shape == (72, 160, 3)
+        assert np.std(image.get_array()) > 10
 
 
 def test_the_sample_frame_has_a_car_ahead() -> None:

@@ -41,7 +41,6 @@ def test_nineteen_intervals_in_twenty_hold_what_all_the_labels_would_tell(
         found = estimated_recall(told, called, asked, share, TAU)
         recall = detection_quality(probability, deviation, TAU, CUT)["recall"]
         low, value, high = (found[f"estimated_recall{end}"] for end in ("_low", "", "_high"))
-        assert low is not None and value is not None and high is not None and recall is not None
         assert low <= value <= high
         held.append(low <= recall <= high)
         off.append(1 / value - 1 / recall)

@@ -24,10 +24,8 @@ TAU = 0.0025
 def frames(tmp_path_factory: pytest.TempPathFactory) -> Frames:
     """Two drives of six frames; in the second the reference drives the frames 1, 2 and 4."""
     rng = np.random.default_rng(0)
-    episodes = [random_episode(rng, 6) for _ in range(2)]
-    for episode, drove in zip(episodes, ([0] * 6, [0, 1, 1, 0, 1, 0]), strict=True):
-        episode.columns["queried"][:] = True
-        episode.columns["intervention"][:, 0] = drove
+    reasons = [1] * 6, [1, 0, 0, 1, 0, 1]
+    episodes = [random_episode(rng, 6, asked=of) for of in reasons]
     dataset = write(tmp_path_factory.mktemp("data") / "rollout", episodes)
     primary = PrimaryNetwork(2, generator=torch.Generator().manual_seed(0))
     safety = SafetyNetwork(primary.feature_size, 4, generator=torch.Generator().manual_seed(0))
@@ -67,7 +65,7 @@ def test_the_better_the_reference_is_known_the_better_one_could_tell() -> None:
     proposed = actions + rng.normal(0, 0.05, actions.shape).astype(np.float32)
     deviation = RULE.deviation(proposed, actions, np.zeros(2000, int), 10)
     nothing = np.zeros(2000, np.float32)
-    known = Frames(proposed, actions, deviation, nothing, None, np.zeros(2000, int), 10)  # type: ignore[arg-type]
+    known = Frames(proposed, actions, deviation, nothing, None, np.zeros(2000, int), 10)
     found = [auroc_if_known(known, RULE, TAU, error, seed=0) for error in (0, 0.02, 0.05, 1)]
     assert found[0] == 1
     assert found == sorted(found, reverse=True)

@@ -42,10 +42,6 @@ def test_the_cut_itself_is_safe_and_the_threshold_too():
     assert (measured["recall"], measured["precision"]) == (1, 1)
 
 
-def test_ties_count_half():
-    assert quality([0.5, 0.5, 0.5], [1, 0, 0])["auroc"] == 0.5
-
-
 def test_what_is_not_defined_is_none():
     assert quality([0.9, 0.8], [0, 0]) == {
         "frames": 2,

@@ -13,6 +13,7 @@ from pipeline.learning.labels import LabelRule
 from pipeline.learning.safety import MOST, Judged, held_out_episodes, judge
 from tests.episodes import random_episode, write
 
+PRIMARY = PrimaryNetwork(2, generator=torch.Generator().manual_seed(0))
 RULE = LabelRule(measure="steering", horizon=0.0, mode="last")
 
 
@@ -29,11 +30,10 @@ def test_a_dataset_is_judged_frame_by_frame(tmp_path: Path) -> None:
         random_episode(rng, 2, reference_only=True),
     ]
     dataset = write(tmp_path / "D", episodes)
-    primary = PrimaryNetwork(2, generator=torch.Generator().manual_seed(0))
-    seen = judge(primary, dataset, rule=RULE)
-    assert seen.features.shape == (5, PrimaryNetwork(2).feature_size)
+    seen = judge(PRIMARY, dataset, rule=RULE)
+    assert seen.features.shape == (5, PRIMARY.feature_size)
     assert seen.episode_index.tolist() == [0, 0, 0, 1, 1]
-    proposed = primary(
+    proposed = PRIMARY(
         torch.from_numpy(episodes[0].columns["observation.images.front"]).permute(0, 3, 1, 2) / 255
     )
     steering = proposed["steering"].detach().numpy().clip(-1, 1)
@@ -46,22 +46,19 @@ def test_labels_look_ahead_by_seconds_and_within_an_episode(tmp_path: Path) -> N
     rng = np.random.default_rng(0)
     episodes = [random_episode(rng, n, reference_only=True) for n in (4, 2)]
     dataset = write(tmp_path / "D", episodes)
-    primary = PrimaryNetwork(2, generator=torch.Generator().manual_seed(0))
     now, ahead = (
-        judge(primary, dataset, rule=LabelRule("steering", seconds, "last"))
+        judge(PRIMARY, dataset, rule=LabelRule("steering", seconds, "last"))
         for seconds in (0.0, 0.2)
     )
     assert ahead.deviation.tolist() == now.deviation[[2, 3, 3, 3, 5, 5]].tolist()
 
 
 def test_frames_without_a_label_are_left_out_and_nothing_looks_over_them(tmp_path: Path) -> None:
-    episode = random_episode(np.random.default_rng(0), 6)
-    episode.columns["queried"][:, 0] = [1, 1, 0, 1, 1, 1]
+    episode = random_episode(np.random.default_rng(0), 6, asked=[0, 0, -1, 0, 0, 0])
     raw = write(tmp_path / "raw", [episode])
     select(raw, tmp_path / "new")
-    primary = PrimaryNetwork(2, generator=torch.Generator().manual_seed(0))
     ahead = LabelRule("steering", 0.1, "last")
-    of_raw, of_new = (judge(primary, d, rule=ahead) for d in (raw, Dataset.open(tmp_path / "new")))
+    of_raw, of_new = (judge(PRIMARY, d, rule=ahead) for d in (raw, Dataset.open(tmp_path / "new")))
     assert of_raw.episode_index.tolist() == [0, 0, 1, 1, 1]
     for name in ("features", "deviation", "episode_index"):
         np.testing.assert_array_equal(getattr(of_raw, name), getattr(of_new, name))
@@ -74,7 +71,7 @@ def test_an_audited_frame_stands_for_those_that_were_not_but_not_for_too_many(
     episode = random_episode(np.random.default_rng(0), 4, reference_only=True)
     episode.columns["ask_probability"][:, 0] = [1, 0.25, 0.01, np.nan]
     dataset = write(tmp_path / "D", [episode])
-    weight = judge(PrimaryNetwork(2), dataset, rule=RULE).weight
+    weight = judge(PRIMARY, dataset, rule=RULE).weight
     assert weight.tolist() == [1, 4, MOST, 1]
 
 

@@ -41,7 +41,6 @@ def trained(columns: dict[str, np.ndarray], **fields: int) -> ConvActor:
     lesson = ConvLesson(channels=8, hidden=32)
     features = lesson.learned(FEATURES)
     network, _ = train_primary(lesson, features, columns, np.arange(FRAMES), settings)
-    assert isinstance(network, ConvActor)
     return network
 
 

@@ -16,7 +16,6 @@ from pipeline.data.images import read_all
 from pipeline.driving.task import Driving
 from pipeline.policies.computing import find_device
 from pipeline.policies.inference import Driver, propose
-from pipeline.policies.lerobot import LeRobotActor
 from pipeline.policies.loading import load_primary
 from pipeline.policies.network import SafetyNetwork
 from pipeline.rollout.recording import record_all
@@ -25,7 +24,7 @@ from pipeline.rollout.rules.naive import Naive
 from tests.command import run
 from tests.devices import DEVICES
 from tests.stages.pendulum import Pendulum
-from tests.stages.test_another_world import FIT, SAFETY, TASK, collect
+from tests.stages.test_another_world import DRIVEN, SAFETY, collect
 
 SHAPES = {"observation.image": (3, 32, 32), "observation.state": (3,), "action": (1,)}
 MEAN, STD = 5.0, 2.0  # of the actions that it is told to have learned
@@ -221,7 +220,7 @@ def test_a_module_is_read_at_its_input_or_its_output(act: Path) -> None:
     assert torch.equal(taken[:, -1], given[:, -1])
     torch.testing.assert_close(given[:, 0] * STD + MEAN, given[:, 1], rtol=1e-4, atol=1e-4)
     another = load_primary(act, "model.encoder_robot_state_input_proj")
-    assert isinstance(another, LeRobotActor) and another.feature_size == 3 + 1
+    assert another.feature_size == 3 + 1
 
 
 @pytest.mark.parametrize(
@@ -249,21 +248,15 @@ def test_a_safety_policy_watches_it_drive(
 ) -> None:
     monkeypatch.chdir(tmp_path)
     for command in (
-        collect("D_0", "D_0", 2),
-        collect("D_safe", "D_safe", 4),
-        ("train-safety", act, "D_safe", "D_0", "safety", *SAFETY, *FIT, "--metrics", "s.json"),
-        (
-            *("rollout", act, "safety", "rollout_1", *TASK, "--queries", "9", "--frames", "20"),
-            *("--iteration", "1", "--workers", "1", "--metrics", "r.json"),
-        ),
-        (
-            *("rollout-dagger", act, "held", *TASK, "--beta", "0", "--frames", "20"),
-            *("--iteration", "1", "--workers", "1", "--hold", "3"),
-        ),
-        ("select", "rollout_1", "new_1"),
-        ("merge", "D_0", "new_1", "D_1"),
+        collect("D_0", 2),
+        collect("D_safe", 4),
+        f"train-safety {act} D_safe D_0 safety {SAFETY}",
+        f"rollout {act} safety rollout_1 {DRIVEN} --iteration 1 --queries 9 --frames 20",
+        f"rollout-dagger {act} held {DRIVEN} --iteration 1 --beta 0 --frames 20 --hold 3",
+        "select rollout_1 new_1",
+        "merge D_0 new_1 D_1",
     ):
-        assert run(*command) == 0, command
+        assert run(command) == 0, command
     driven = Dataset.open(Path("rollout_1"))
     assert np.isfinite(driven.columns(["primary_action"])["primary_action"]).all()
     assert np.isfinite(driven.column("safe_probability")).all()

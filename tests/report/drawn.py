@@ -9,13 +9,11 @@ from matplotlib.transforms import Bbox
 
 def panels(figure: Figure | None) -> dict[tuple[str, str], Axes]:
     """By title and what is on x."""
-    assert figure is not None
     return {(axes.get_title(loc="left"), axes.get_xlabel()): axes for axes in figure.axes}
 
 
 def words(figure: Figure | None) -> str:
     """The text below the panels, in one line."""
-    assert figure is not None
     return " ".join(text.get_text().replace("\n", " ") for text in figure.texts)
 
 
@@ -37,6 +35,5 @@ def curves(axes: Axes) -> dict[str, list[tuple[float, float]]]:
 def names(axes: Axes) -> dict[str, Bbox]:
     """Where the names of the lines stand, without what leads to them."""
     figure = axes.get_figure(root=True)
-    assert figure is not None
     figure.canvas.draw()
     return {text.get_text(): Text.get_window_extent(text) for text in axes.texts}

@@ -3,15 +3,25 @@
 import re
 from typing import Any
 
-from pipeline.evaluation.experiment import Experiment
+from pipeline.evaluation.experiment import Experiment, Tables
+from pipeline.evaluation.files import ErrorShares
+from pipeline.report.material import Material
 from pipeline.report.rendering import Pictures, render_report
-from tests.evaluation.made_up import material
+from tests.evaluation import written
 
 ERRORS = "How the errors lie around tau"
 
 
 def report(made_up: Experiment, **changes: Any) -> str:
-    """With the experiment's material, but for the changes, and a picture for each seed."""
+    """With each seed's errors and nothing else beside the experiment, but for the changes; and with a
+    picture for each seed.
+    """
+    material: dict[str, Any] = {
+        "thresholds": Tables(),
+        "scratch": Tables(),
+        "errors": dict.fromkeys(made_up.seeds, ErrorShares.model_validate(written.ERRORS)),
+        "curves": Experiment(specs={}),
+    }
     places = {seed: f"errors/seed_{seed}.png" for seed in made_up.seeds}
     pictures = Pictures(
         result="figures/result.png",
@@ -20,7 +30,7 @@ def report(made_up: Experiment, **changes: Any) -> str:
         by_seed=changes.pop("by_seed", {ERRORS: places}),
         tracks={"Training tracks": "figures/training.png"},
     )
-    return render_report(material(made_up, **changes), pictures)
+    return render_report(Material(made_up, **material | changes), pictures)
 
 
 def section(text: str, title: str) -> str:

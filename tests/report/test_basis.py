@@ -1,10 +1,22 @@
 """What the report rests on, and how sure it is."""
 
+import pytest
+
 from pipeline.evaluation.experiment import D_SAFE
 from tests.evaluation.made_up import FRAMES, GOOD, GROWING, experiment, reckoned
 from tests.report.rendered import report
 
 ALONE = {"safedagger": GROWING}
+
+
+@pytest.fixture(scope="module")
+def good() -> str:
+    return report(experiment(GOOD, seeds=2, starts=3))
+
+
+@pytest.fixture(scope="module")
+def alone() -> str:
+    return report(experiment(ALONE, starts=1))
 
 
 def block(text: str, beginning: str) -> str:
@@ -33,25 +45,25 @@ def test_what_was_asked_only_to_measure_stands_apart() -> None:
     assert f"asked in 2,000 frames of rollouts and {naive + safe:,} of evaluation" in cost
 
 
-def test_what_it_rests_on() -> None:
+def test_what_it_rests_on(good: str, alone: str) -> None:
     """Iteration 0 is shared: 22 steps of 36 drives on each seed."""
-    basis = block(report(experiment(GOOD, seeds=2, starts=3)), "**Basis.**")
+    basis = block(good, "**Basis.**")
     assert "Seeds 0, 1. Test tracks: spruce, willow, yew. Starts on each: 3." in basis
     assert "Traffic: 40 cars. 1,584 drives in all: naive, in which" in basis
     assert "Each seed again: `make experiment SEED=0`, `make experiment SEED=1`." in basis
     assert "make repro" not in basis
-    alone = block(report(experiment(ALONE)), "**Basis.**")
-    assert alone.startswith("**Basis.** Seed 0. ")
-    assert "Each seed again: `make repro`, with this `seed` in `params.yaml`;" in alone
-    assert "`make experiment SEED=0`" in alone
+    basis = block(alone, "**Basis.**")
+    assert basis.startswith("**Basis.** Seed 0. ")
+    assert "Each seed again: `make repro`, with this `seed` in `params.yaml`;" in basis
+    assert "`make experiment SEED=0`" in basis
 
 
-def test_that_all_went_well_is_no_certainty() -> None:
+def test_that_all_went_well_is_no_certainty(good: str, alone: str) -> None:
     """Of 18 drives in a cell, 15.3 % can fail without one failing here, once in 20 times."""
-    intervals = block(report(experiment(GOOD, seeds=2, starts=3)), "**Intervals.**")
+    intervals = block(good, "**Intervals.**")
     assert "rests on 18 drives at most" in intervals
     assert "18 drives that all went well still allow that 15 % would fail" in intervals
     assert "one seed" not in intervals
-    alone = block(report(experiment(ALONE, starts=1)), "**Intervals.**")
-    assert "3 drives that all went well still allow that 63 % would fail" in alone
-    assert "With one seed, no interval" in alone
+    intervals = block(alone, "**Intervals.**")
+    assert "3 drives that all went well still allow that 63 % would fail" in intervals
+    assert "With one seed, no interval" in intervals

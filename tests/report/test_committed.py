@@ -18,8 +18,8 @@ def test_the_committed_report_is_a_fresh_one(
     for name in NAMES:
         (tmp_path / "cards" / name).symlink_to(ROOT / "cards" / name)
     monkeypatch.chdir(tmp_path)
-    folders = [f"--{name}=cards/{name}" for name in NAMES]
-    assert run("report", *folders, "--output=cards/report.md", "--figures=cards/figures") == 0
+    folders = " ".join(f"--{name} cards/{name}" for name in NAMES)
+    assert run(f"report {folders} --output cards/report.md --figures cards/figures") == 0
     fresh = (tmp_path / "cards/report.md").read_text()
     assert fresh == (ROOT / "cards/report.md").read_text()
     drawn = {path.name for path in (tmp_path / "cards/figures").iterdir()}

@@ -59,7 +59,6 @@ def test_equal_experiments_give_equal_bytes_and_leave_no_style(
 ) -> None:
     before = dict(matplotlib.rcParams)
     first, second = DRAW[name](whole), DRAW[name](whole)
-    assert first is not None and second is not None
     assert png(first) == png(second)
     assert dict(matplotlib.rcParams) == before
 
@@ -67,16 +66,14 @@ def test_equal_experiments_give_equal_bytes_and_leave_no_style(
 @pytest.mark.parametrize("name", DRAW)
 def test_no_text_is_cut_off_or_in_the_way(name: str, whole: Experiment) -> None:
     figure = DRAW[name](whole)
-    assert figure is not None
     png(figure)
     width, height = figure.canvas.get_width_height()
-    renderer = figure.canvas.get_renderer()  # type: ignore[attr-defined]
+    renderer = figure.canvas.get_renderer()
     parts = [*figure.axes, *figure.legends, *figure.texts]
     boxes = [part.get_tightbbox(renderer) for part in parts]
     for i, box in enumerate(boxes):
-        assert box is not None
         assert box.x0 >= 0 and box.y0 >= 0 and box.x1 <= width and box.y1 <= height
-        assert not any(other is not None and box.overlaps(other) for other in boxes[i + 1 :])
+        assert not any(box.overlaps(other) for other in boxes[i + 1 :])
     for axes in figure.axes:
         labels = [label.get_window_extent() for label in axes.get_xticklabels()]
         assert all(left.x1 < right.x0 for left, right in pairwise(labels))
@@ -87,7 +84,6 @@ def test_every_panel_has_its_labels_and_every_line_its_legend(name: str, whole: 
     figure = DRAW[name](whole)
     for axes in panels(figure).values():
         assert axes.get_title(loc="left") and axes.get_xlabel() and axes.get_ylabel()
-    assert figure is not None
     shown = {str(line.get_label()) for axes in figure.axes for line in axes.get_lines()}
     explained = {text.get_text() for text in figure.legends[0].get_texts()}
     assert explained == {label for label in shown if not label.startswith("_")} | {
@@ -222,7 +218,7 @@ def test_only_what_is_there_is_drawn() -> None:
     for figure in figures:
         for axes in panels(figure).values():
             assert [len(points) for points in curves(axes).values()] == [2]
-        assert figure is not None and png(figure)
+        assert png(figure)
 
 
 def test_there_is_no_figure_of_nothing() -> None:
@@ -242,7 +238,6 @@ def test_the_optimal_safety_policy_of_iteration_0_alone_is_no_row() -> None:
 
 def test_the_panel_that_matters_names_its_lines_and_where_they_were_full_first() -> None:
     figure = result(experiment({"safedagger": GROWING, "dagger": SLOW}))
-    assert figure is not None
     first, *others = figure.axes
     assert first.get_position().width > 1.5 * others[0].get_position().width
     found = names(first)

@@ -1,5 +1,6 @@
 """The results in a terminal are those of the report."""
 
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
@@ -7,7 +8,7 @@ import pytest
 from pipeline.report.overview import HEADER, overview
 from tests.command import run
 from tests.evaluation.made_up import GROWING, SLOW, experiment, undriven
-from tests.evaluation.sample import write_run
+from tests.evaluation.written import write_run
 
 
 def test_a_row_a_step_with_what_it_came_to() -> None:
@@ -41,14 +42,12 @@ def test_what_was_not_driven_has_no_number() -> None:
 def test_results_are_printed_whole_where_there_is_no_terminal(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    write_run(tmp_path / "seed_0")
-    assert run("results", tmp_path) == 0
+    write_run(tmp_path)
+    assert run(f"results {tmp_path}") == 0
     header, *lines = capsys.readouterr().out.splitlines()
     assert all(name in header for name in HEADER)
     assert [line.split()[:2] for line in lines[:4]] == [["SafeDAgger", str(i)] for i in range(4)]
 
 
-def test_no_results_are_one_line(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    assert run("results", tmp_path) == 2
-    (line,) = capsys.readouterr().err.splitlines()
-    assert str(tmp_path) in line and "expected some" in line
+def test_no_results_are_one_line(tmp_path: Path, refused: Callable[..., str]) -> None:
+    assert f"{tmp_path}: no seed_" in refused(f"results {tmp_path}")

@@ -93,7 +93,7 @@ def test_what_is_not_defined_leaves_a_gap() -> None:
     assert [np.isnan(y) for _, y in naive] == [False, True, False, False]
     safe = curves(shown["Steering MSE: safe, no traffic", "iteration"])["DAgger"]
     assert all(np.isnan(y) for _, y in safe)
-    assert figure is not None and png(figure)
+    assert png(figure)
 
 
 def test_lines_of_a_panel_differ_in_marker_and_brightness() -> None:

@@ -3,8 +3,6 @@
 import math
 from dataclasses import replace
 
-import pytest
-
 from pipeline.evaluation.comparison import Cell, estimate
 from pipeline.evaluation.experiment import D_SAFE, HELD_OUT, ROLLOUT, Tables
 from pipeline.evaluation.files import ErrorShares
@@ -45,14 +43,14 @@ def numbers(text: str) -> str:
     return section(text, "In numbers")
 
 
-@pytest.mark.parametrize("header", TABLES)
-def test_every_run_and_iteration_has_its_row(header: str) -> None:
+def test_every_run_and_iteration_has_its_row() -> None:
     made_up = experiment({run: levels for run, levels in GOOD.items() if run != "dagger"})
-    found = rows(numbers(report(made_up)), header)
-    assert list(found) == [
-        (TITLES[run], str(i)) for run in SPECS if run != "dagger" for i in range(4)
-    ]
-    assert {len(cells) for cells in found.values()} == {TABLES[header]}
+    text = numbers(report(made_up))
+    expected = [(TITLES[run], str(i)) for run in SPECS if run != "dagger" for i in range(4)]
+    for header, columns in TABLES.items():
+        found = rows(text, header)
+        assert list(found) == expected
+        assert {len(cells) for cells in found.values()} == {columns}
 
 
 def test_laps_have_their_intervals_in_both_conditions() -> None:
@@ -135,7 +133,8 @@ def test_the_safety_policies_on_held_out_frames_and_in_the_next_rollout() -> Non
     held_out |= {"share_predicted_unsafe": 0.3, "tau": lambda of: 0.0025 * (1 + of.iteration)}
     rollout = {"auroc": 0.7, "recall": 0.4, "precision": lambda of: of.seed.map({0: 0.5})}
     rollout |= {"share_unsafe": 0.25, "share_predicted_unsafe": 0.35}
-    made_up = judged(judged(experiment(GOOD, seeds=2), HELD_OUT, held_out), ROLLOUT, rollout)
+    made_up = experiment({run: GOOD[run] for run in VARIANTS}, seeds=2, starts=1)
+    made_up = judged(judged(made_up, HELD_OUT, held_out), ROLLOUT, rollout)
     last = (made_up.quality.judged_on == ROLLOUT) & (made_up.quality.iteration == 3)
     found = rows(report(replace(made_up, quality=made_up.quality[~last])), "AUROC")
     assert list(found) == [(TITLES[run], str(i)) for run in VARIANTS for i in range(4)]
@@ -157,7 +156,9 @@ def test_the_thresholds_are_side_by_side() -> None:
     last = experiment({"0.04": GROWING[3:]})
     first = judged(first, HELD_OUT, {"share_unsafe": 0.417})
     thresholds = Tables.joined([last, first])
-    found = section(report(experiment(GOOD), thresholds=thresholds), "Other thresholds")
+    found = section(
+        report(experiment({"safedagger": GROWING}), thresholds=thresholds), "Other thresholds"
+    )
     strict, lax = found.strip().splitlines()[-2:]
     assert strict.startswith("| 0.000625 | 0, 1 | 41.7 % | 3.00 / 3.00")
     assert "| 8.0 % / 20.0 % |" in strict

@@ -11,7 +11,6 @@ from pipeline.policies.safety import SafetyConfig, SafetyPolicy
 from pipeline.rollout.judgement import Judgement, rule_of
 from pipeline.rollout.rules.calm import Calm
 from pipeline.rollout.rules.naive import Naive
-from pipeline.rollout.rules.optimal import Optimal
 from pipeline.rollout.rules.reference import Reference
 from pipeline.rollout.rules.safe import Safe
 from pipeline.rollout.strategies import DRIVING, Strategy
@@ -35,7 +34,7 @@ def test_it_goes_by_the_labels_and_the_cut_of_the_safety_policy(
     with pytest.raises(ValueError, match=r"resume is 0.2, expected at least the cut, 0.3"):
         rule_of(Strategy.SAFE, judgement, resume=0.2)
     optimal = rule_of(Strategy.OPTIMAL, judgement)
-    assert isinstance(optimal, Optimal) and optimal.tau == 0.01
+    assert optimal.tau == 0.01
     actions = np.float32([[0.1, 0.0]]), np.float32([[0.3, 1.0]])
     expected = pytest.approx([0.04 + more])
     assert optimal.deviation(*actions) == expected == judgement.deviation(*actions)

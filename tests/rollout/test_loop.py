@@ -5,7 +5,6 @@ from typing import Any
 
 import numpy as np
 import pytest
-import torch
 
 from pipeline.data.schema import Asked
 from pipeline.driving.environment import DrivingEnv
@@ -16,7 +15,6 @@ from pipeline.driving.tracks import make_track
 from pipeline.driving.world import World
 from pipeline.environment import Action, Environment
 from pipeline.policies.inference import Driver
-from pipeline.policies.network import SafetyNetwork
 from pipeline.rollout.judgement import Judgement, rule_of
 from pipeline.rollout.loop import Frame, drive
 from pipeline.rollout.plans import driven, one_number
@@ -26,7 +24,7 @@ from pipeline.rollout.rules.reference import Reference
 from pipeline.rollout.rules.rule import Rule
 from pipeline.rollout.rules.safe import Safe
 from pipeline.rollout.strategies import Strategy
-from tests.drives import plan
+from tests.drives import plan, untrained
 
 WILLOW = {
     "track": "willow",
@@ -39,15 +37,6 @@ WILLOW = {
 
 def by_reference(**settings: Any) -> Iterator[tuple[Environment, Frame]]:
     return driven(plan(Reference(), **(WILLOW | {"seconds": 2.0} | settings)), None)
-
-
-def driver(*, nan: bool = False) -> Driver:
-    generator = torch.Generator().manual_seed(0)
-    primary = PrimaryNetwork(2, generator=generator)
-    if nan:
-        with torch.no_grad():
-            primary.outputs["steering"][2].weight.fill_(np.nan)
-    return Driver(primary, SafetyNetwork(PrimaryNetwork(2).feature_size, 4, generator=generator))
 
 
 def test_a_frame_is_what_was_seen_and_known_before_it_was_driven() -> None:
@@ -81,7 +70,6 @@ def test_it_drives_as_long_as_it_may(action_repeat: int) -> None:
 def test_an_action_is_held_for_the_whole_frame() -> None:
     """As a world stepped by hand shows."""
     env, first = next(drives := by_reference())
-    assert isinstance(env, DrivingEnv)
     rng = np.random.default_rng((0,))
     with World(make_track("willow"), 10, (0.3, 0.05), rng) as other:
         for _ in range(3):
@@ -90,30 +78,15 @@ def test_an_action_is_held_for_the_whole_frame() -> None:
             other.step(actions)
         for name in ("x", "y", "heading", "speed"):
             np.testing.assert_array_equal(getattr(env.world.cars, name), getattr(other.cars, name))
-    drives.close()  # type: ignore[attr-defined]
-
-
-def test_it_ends_with_the_laps() -> None:
-    frames = [frame for _, frame in by_reference(laps=0.1, seconds=60.0)]
-    length = make_track("willow").length
-    assert frames[-1].outcome["laps"] == 0.1
-    assert 0.1 * length <= frames[-1].outcome["distance_m"] < 0.1 * length + 3 * 20 / CONTROL_HZ
-    assert len(frames) < 60 * CONTROL_HZ / 3
-    assert (frames[-1].ended, frames[-1].failed) == ("laps done", False)
+    drives.close()
 
 
 def test_an_action_that_is_no_number_is_refused_at_once() -> None:
-    frames = driven(plan(Naive(), **WILLOW), driver(nan=True))
+    driver = untrained()
+    driver.primary.outputs["steering"][2].weight.fill_(np.nan)
+    frames = driven(plan(Naive(), **WILLOW), driver)
     with pytest.raises(ValueError, match=r"the primary's action is \[nan +0\.\], expected finite"):
         next(frames)
-
-
-def test_equal_drives_are_equal() -> None:
-    """Bit for bit, pixels and all."""
-    runs = [[frame for _, frame in by_reference(track="yew", traffic=20)] for _ in range(2)]
-    for one, other in zip(*runs, strict=True):
-        np.testing.assert_array_equal(one.observation[CAMERA], other.observation[CAMERA])
-        np.testing.assert_array_equal(one.reference_action, other.reference_action)
 
 
 @pytest.mark.parametrize("seed", [(0,), (0, 0, 0), (3, 1002, 0), (0, 101, 2**32 - 1), (7, 1, 2, 3)])
@@ -153,7 +126,7 @@ def test_the_reference_is_asked_as_often_as_the_ledger_will_count(
     """The heart of the product: a query is a call of `label`, and nothing else is."""
     env = CountingEnv(track="alder", traffic=3, action_repeat=3, seconds=2.0)
     told: dict[str, Any] = {"can_look_up": True, "measure": measure}
-    frames = list(drive(env, driver(), rule, seed=1, rng=np.random.default_rng(1), **told))
+    frames = list(drive(env, untrained(), rule, seed=1, rng=np.random.default_rng(1), **told))
     env.close()
     asked = sum(frame.decision.asked is not Asked.NOT for frame in frames)
     assert env.labels == asked
@@ -191,7 +164,7 @@ def test_a_reference_that_cannot_be_looked_up_is_not() -> None:
     """A person, say: what nobody asked, nobody knows."""
     env = CountingEnv(track="alder", action_repeat=3, seconds=1.0)
     told: dict[str, Any] = {"can_look_up": False, "measure": True}
-    frames = list(drive(env, driver(), Naive(), seed=0, rng=np.random.default_rng(0), **told))
+    frames = list(drive(env, untrained(), Naive(), seed=0, rng=np.random.default_rng(0), **told))
     env.close()
     assert (env.labels, env.look_ups) == (0, 0)
     assert all(np.isnan(frame.reference_action).all() for frame in frames)

@@ -3,16 +3,11 @@ from itertools import count
 
 import numpy as np
 import pytest
-import torch
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from pipeline.data.schema import Asked
 from pipeline.driving.features import CAMERA
-from pipeline.driving.network import PrimaryNetwork
-from pipeline.driving.task import Driving
-from pipeline.policies.inference import Driver
-from pipeline.policies.network import SafetyNetwork
 from pipeline.rollout.plans import Plan
 from pipeline.rollout.recording import Recording, record, record_all, until_queries
 from pipeline.rollout.rules.audit import Audit
@@ -22,19 +17,11 @@ from pipeline.rollout.rules.reference import Reference
 from pipeline.rollout.rules.rule import Rule
 from pipeline.rollout.rules.safe import Safe
 from pipeline.rollout.workers import in_order
-from tests.drives import plan
+from tests.drives import plan, untrained
 from tests.episodes import random_episode
 
 PLAN = plan(Safe(0.5), seed=(0, 0, 0), offset_spread=0.3, angle_spread=0.05)
 TASK = PLAN.task
-assert isinstance(TASK, Driving)
-
-
-def driver() -> Driver:
-    generator = torch.Generator().manual_seed(0)
-    primary = PrimaryNetwork(2, generator=generator)
-    safety = SafetyNetwork(PrimaryNetwork(2).feature_size, 4, generator=generator)
-    return Driver(primary, safety)
 
 
 def recordings(lengths: list[int], seed: int) -> list[Recording]:
@@ -72,13 +59,13 @@ def test_a_budget_is_spent_and_never_overdrawn(
         )
         if length < len(original.episode):
             ending = cut_short.episode.ending
-            assert ending is not None and ending["ended"] == "budget spent"
+            assert ending["ended"] == "budget spent"
             assert (ending["frames"], ending["distance_m"]) == (length, float(length))
             assert (ending["touches"], ending["put_back"]) == ((length - 1) // 3, 0)
 
 
 def test_the_result_does_not_depend_on_the_number_of_workers() -> None:
-    jobs = [(replace(PLAN, seed=(0, 0, n)), driver(), 1, n) for n in range(3)]
+    jobs = [(replace(PLAN, seed=(0, 0, n)), untrained(), 1, n) for n in range(3)]
     alone, together = (list(in_order(record, jobs, workers)) for workers in (1, 2))
     for a, b in zip(alone, together, strict=True):
         assert a.reference_actions.tobytes() == b.reference_actions.tobytes()
@@ -89,40 +76,31 @@ def test_the_result_does_not_depend_on_the_number_of_workers() -> None:
 def test_drives_go_around_the_tracks_each_with_a_seed_of_its_own() -> None:
     task = replace(TASK, tracks="alder,yew", seconds=0.2)
     numbers, seed = [0, 1, 2], (7, 1)
-    drives = record_all(task, Safe(0.5), driver(), numbers, seed=seed, iteration=4, workers=1)
+    drives = record_all(task, Safe(0.5), untrained(), numbers, seed=seed, iteration=4, workers=1)
     for number, recording in enumerate(drives):
         expected = Plan(task, ["alder", "yew"][number % 2], Safe(0.5), (7, 1, number))
-        again = record(expected, driver(), 4, number)
+        again = record(expected, untrained(), 4, number)
         assert recording.episode.task == expected.description
         for name, values in again.episode.columns.items():
             assert values.tobytes() == recording.episode.columns[name].tobytes(), name
 
 
-def test_an_unknown_track_is_refused_before_anything_is_driven() -> None:
-    with pytest.raises(ValueError, match="'nowhere': expected one of"):
-        replace(TASK, tracks="alder,nowhere")
-
-
-@pytest.mark.parametrize(("cut", "drives"), [(0.0, False), (1.0, True)])
-def test_below_the_cut_the_reference_drives_and_is_asked(cut: float, drives: bool) -> None:
-    recording = record(replace(PLAN, rule=Safe(cut)), driver(), 1, 0)
-    columns = recording.episode.columns
+@pytest.mark.parametrize(
+    ("rule", "drives"), [(Naive(), False), (Safe(0.0), False), (Safe(1.0), True)]
+)
+def test_where_the_reference_drives_it_is_asked_and_else_nothing_is_told_of_it(
+    rule: Rule, drives: bool
+) -> None:
+    """A dataset never tells what nobody paid for."""
+    columns = record(replace(PLAN, rule=rule), untrained(), 1, 0).episode.columns
     assert np.all(columns["intervention"] == drives)
     assert np.all(columns["queried"] == drives)
     assert np.all(np.isnan(columns["deviation"]) != drives)
     if drives:
-        assert np.allclose(
-            columns["deviation"][:, 0],
-            (columns["action"][:, 0] - columns["primary_action"][:, 0]) ** 2,
-        )
+        apart = columns["action"] - columns["primary_action"]
+        np.testing.assert_allclose(columns["deviation"], apart[:, :1] ** 2, rtol=1e-5)
     else:
         assert np.array_equal(columns["action"], columns["primary_action"])
-
-
-def test_a_dataset_never_tells_what_nobody_paid_for() -> None:
-    columns = record(replace(PLAN, rule=Naive()), driver(), 1, 0).episode.columns
-    assert not columns["queried"].any()
-    assert np.isnan(columns["deviation"]).all()
 
 
 @pytest.mark.parametrize(
@@ -135,7 +113,7 @@ def test_a_dataset_never_tells_what_nobody_paid_for() -> None:
     ],
 )
 def test_it_says_why_the_reference_was_asked(rule: Rule, reasons: set[Asked]) -> None:
-    columns = record(replace(PLAN, rule=rule), driver(), 1, 0).episode.columns
+    columns = record(replace(PLAN, rule=rule), untrained(), 1, 0).episode.columns
     because, probability = columns["asked_because"][:, 0], columns["ask_probability"][:, 0]
     assert set(because.tolist()) == reasons
     drove = columns["intervention"][:, 0]
@@ -156,9 +134,8 @@ def test_a_drive_says_how_it_ended(change: dict, ended: str, put_back: int) -> N
     """An untrained primary does not steer."""
     rule = Naive() if put_back else Reference()
     to_drive = replace(PLAN, rule=rule, task=replace(TASK, **change))
-    driven = record(to_drive, driver(), 1, 7)
+    driven = record(to_drive, untrained(), 1, 7)
     ending = driven.episode.ending
-    assert ending is not None
     assert (ending["ended"], ending["put_back"]) == (ended, put_back)
     assert (ending["episode"], ending["task"]) == (7, to_drive.description)
     assert ending["frames"] == len(driven.episode) == len(driven.outcomes)
@@ -169,7 +146,7 @@ def test_a_drive_says_how_it_ended(change: dict, ended: str, put_back: int) -> N
 @pytest.mark.parametrize("beta", [0.0, 0.5, 1.0])
 def test_a_mixture_asks_about_every_frame_and_drives_some(beta: float) -> None:
     """Dagger: all that is collected is a query (Sec. 2.6), whoever drove."""
-    recording = record(replace(PLAN, rule=Mixture(beta)), driver(), 1, 0)
+    recording = record(replace(PLAN, rule=Mixture(beta)), untrained(), 1, 0)
     columns = recording.episode.columns
     assert recording.queries == len(recording.episode)
     assert np.array_equal(columns["action"], recording.reference_actions)
@@ -180,7 +157,8 @@ def test_a_mixture_asks_about_every_frame_and_drives_some(beta: float) -> None:
 
 def test_an_audit_labels_and_counts_what_the_primary_drives_on_undisturbed() -> None:
     alone, audited = (
-        record(replace(PLAN, rule=Audit(Safe(0.0), share)), driver(), 1, 0) for share in (0.0, 1.0)
+        record(replace(PLAN, rule=Audit(Safe(0.0), share)), untrained(), 1, 0)
+        for share in (0.0, 1.0)
     )
     columns = audited.episode.columns
     assert (alone.queries, audited.queries) == (0, len(audited.episode))
@@ -190,28 +168,10 @@ def test_an_audit_labels_and_counts_what_the_primary_drives_on_undisturbed() -> 
         assert np.array_equal(columns[name], alone.episode.columns[name]), name
 
 
-@pytest.mark.parametrize(
-    "change",
-    [
-        {"tracks": "nowhere"},
-        {"traffic": -1},
-        {"traffic": 10_000},
-        {"seconds": 0.0},
-        {"seconds": float("nan")},
-        {"laps": -1.0},
-        {"action_repeat": 7},
-        {"offset_spread": -0.1},
-    ],
-)
-def test_nonsense_is_refused_before_driving(change: dict) -> None:
-    with pytest.raises(ValueError, match=r"expected"):
-        replace(TASK, **change)
-
-
 def test_whoever_has_enough_stops_without_a_warning(recwarn: pytest.WarningsRecorder) -> None:
     short = replace(TASK, seconds=0.2)
     plans = (replace(PLAN, task=short, seed=(0, 0, n)) for n in count())
-    results = in_order(record, ((plan, driver(), 1, 0) for plan in plans), 2)
+    results = in_order(record, ((plan, untrained(), 1, 0) for plan in plans), 2)
     next(results)
     results.close()
     assert [str(warning.message) for warning in recwarn] == []

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from pipeline.data.dataset import Dataset
+from pipeline.data.schema import Asked
 from pipeline.inspection.excerpts import whole_episodes
 from pipeline.policies.loading import weights_sha256
 from tests.command import run
@@ -36,7 +37,7 @@ def test_why_drives_ended_is_said_of_a_dataset_and_of_its_episodes(
 ) -> None:
     monkeypatch.chdir(tmp_path)
     typed = f"collect D_0 {DRIVES} --tracks alder --seconds 0.2 --episodes 2 --workers 1"
-    assert run(*typed.split()) == 0
+    assert run(typed) == 0
     assert capsys.readouterr().out == (
         "D_0: 2 episodes, 4 frames, 4 queries; ended: out of time 2\n"
     )
@@ -48,9 +49,7 @@ def test_what_nobody_asked_is_selected_merged_and_counted(
     root: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     """A rollout in which nothing was unsafe: the primary has become good, and all goes on."""
-    safe = random_episode(np.random.default_rng(0), 4, iteration=1)
-    for name in ("intervention", "queried"):
-        safe.columns[name][:] = False
+    safe = random_episode(np.random.default_rng(0), 4, asked=[Asked.NOT] * 4)
     write(Path("rollout_1"), [safe], "rollout")
     for command, last in {
         "select rollout_1 new_1": "new_1: 0 episodes, 0 frames, 0 queries",
@@ -60,12 +59,12 @@ def test_what_nobody_asked_is_selected_merged_and_counted(
         "0 frames selected, 6 trained on",
         "inspect D_1 --save D_1.rrd": "D_1.rrd: open it with `rerun D_1.rrd`",
     }.items():
-        assert run(*command.split()) == 0
+        assert run(command) == 0
         said = capsys.readouterr().out.splitlines()
         assert said[-1] == last
         if command.startswith(("select", "merge")):
             assert "nothing to" in said[-2]
-    assert run("inspect", "new_1", "--save", "x.rrd") == 2
+    assert run("inspect new_1 --save x.rrd") == 2
     error = capsys.readouterr().err
     assert error == "safedagger: new_1: has no frames, expected some to look at\n"
 
@@ -74,8 +73,7 @@ def test_training_is_refused_what_would_spoil_it(
     root: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     """No frame with a label; D_safe that was trained on; a safety policy of another primary."""
-    unasked = random_episode(np.random.default_rng(1), 9, iteration=1)
-    unasked.columns["queried"][:] = False
+    unasked = random_episode(np.random.default_rng(1), 9, asked=[Asked.NOT] * 9)
     write(Path("rollout"), [unasked], "rollout")
     drive = f"{DRIVES} --tracks yew --strategy safe --seconds 0.2 --save drive.rrd"
     for command, problem in {
@@ -91,12 +89,12 @@ def test_training_is_refused_what_would_spoil_it(
         f"train-safety one D_safe D_0 safe {SAFETY}": None,
         f"watch other safe {drive}": "safe: was trained to watch another primary than other",
     }.items():
-        assert run(*command.split()) == (2 if problem else 0), command
+        assert run(command) == (2 if problem else 0), command
         error = capsys.readouterr().err
         assert problem is None or re.fullmatch(f"safedagger: {problem}\n", error)
     assert re.fullmatch(r"epoch,samples,loss\n1,4,[0-9.]+\n", Path("curve.csv").read_text())
     assert not Path("bad").exists() and not Path("drive.rrd").exists()
-    assert run("watch", "one", "safe", *drive.split()) == 0
+    assert run(f"watch one safe {drive}") == 0
 
 
 def test_context_changes_no_training(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -116,7 +114,7 @@ def test_context_changes_no_training(tmp_path: Path, monkeypatch: pytest.MonkeyP
             f"train-primary {name} {primary} {PRIMARY} --validation 0.3",
             f"train-safety {primary} D_safe {name} {safety} {SAFETY} {ahead}",
         ):
-            assert run(*command.split()) == 0
+            assert run(command) == 0
         trained.append([weights_sha256(Path(policy)) for policy in (primary, safety)])
     assert trained[0] == trained[1]
 
@@ -126,11 +124,11 @@ def test_the_cut_of_a_rollout_is_its_safety_policys_own(root: Path) -> None:
 
     What deviates is the primary's, if nobody says; and without a place for metrics, none is written.
     """
-    assert run(*f"train-primary D_0 primary {PRIMARY}".split()) == 0
-    assert run(*f"train-safety primary D_safe D_0 safety {SAFETY} --cut 1".split()) == 0
+    assert run(f"train-primary D_0 primary {PRIMARY}") == 0
+    assert run(f"train-safety primary D_safe D_0 safety {SAFETY} --cut 1") == 0
     drives = f"{DRIVES} --tracks alder --seconds 1 --queries 99 --frames 10 --workers 1"
     for name, told, cut, drove in (("own", "", 1, 10), ("told", "--cut 0", 0, 0)):
-        assert run(*f"rollout primary safety {name} {drives} {told}".split()) == 0
+        assert run(f"rollout primary safety {name} {drives} {told}") == 0
         driven = Dataset.open(Path(name))
         assert driven.lineage.own.arguments["cut"] == cut
         labels = driven.lineage.own.arguments["labels"]
@@ -139,6 +137,6 @@ def test_the_cut_of_a_rollout_is_its_safety_policys_own(root: Path) -> None:
         assert (trained["cut"], trained["measure"]) == (1, "steering-and-brake")
         assert [parent.own.purpose for parent in driven.lineage.parents] == ["primary", "safety"]
         assert int(driven.column("intervention").sum()) == drove
-        assert run("select", name, f"new_{name}") == 0
+        assert run(f"select {name} new_{name}") == 0
         assert len(Dataset.open(Path(f"new_{name}"))) == drove
     assert not list(root.glob("*.json"))

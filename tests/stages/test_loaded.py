@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from tests.episodes import random_episode, write
-from tests.evaluation.sample import write_run
+from tests.evaluation.written import write_run
 
 HOUSE = Path(__file__).parents[2]
 HEAVY = ("lerobot", "datasets", "torch", "pybullet", "cv2", "matplotlib", "scipy")
@@ -27,7 +27,7 @@ def test_commands_load_what_they_use(tmp_path: Path) -> None:
     rng = np.random.default_rng(0)
     write(tmp_path / "D_0", [random_episode(rng, 4, reference_only=True)])
     write(tmp_path / "rollout", [random_episode(rng, 9, iteration=1)], "rollout")
-    write_run(tmp_path / "metrics" / "seed_0")
+    write_run(tmp_path / "metrics")
     params = f"--params {HOUSE}/params.yaml --pipeline {HOUSE}/dvc.yaml --loops loops.yaml"
     ours, driving = set(), {"pybullet", "cv2", "scipy"}
     expected = {

@@ -1,30 +1,27 @@
 """The commands that show something, each into a file."""
 
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
 import pytest
-import torch
 from PIL import Image
 
 from pipeline.data.dataset import Dataset
-from pipeline.driving.network import PrimaryNetwork
-from pipeline.driving.policy import PrimaryConfig, PrimaryPolicy
 from pipeline.inspection.excerpts import ranked_takeovers
-from pipeline.policies.loading import weights_sha256
-from pipeline.policies.network import SafetyNetwork
-from pipeline.policies.safety import SafetyConfig, SafetyPolicy
 from tests.command import run
+from tests.drives import save_untrained
 from tests.episodes import random_episode, write
 from tests.inspection.saved import column, origins, recordings
 
-BOTH = ["primary", "safety", "primary_b", "safety_b"]
-CAR = ["--tracks", "willow", "--traffic", "3", "--seconds", "0.5", "--action-repeat", "3"]
-WATCH = [*CAR, "--seed", "1"]
-FILM = [*WATCH, "--show-every", "1", "--strategy", "naive", "--output"]
-EVALUATE = ["--starts", "1", "--workers", "1", "--metrics", "x.json", "--drives"]
+BOTH = "primary safety primary_b safety_b"
+CAR = "--tracks willow --traffic 3 --seconds 0.5 --action-repeat 3"
+WATCH = f"{CAR} --seed 1"
+NAIVE = f"{WATCH} --strategy naive"
+FILM = f"{NAIVE} --show-every 1"
+EVALUATE = f"{WATCH} --starts 1 --workers 1"
 UNDRAWN = "task is 'tests.stages.pendulum:Pendulum', expected one that can be drawn: driving"
-PENDULUM = ["--task", "tests.stages.pendulum:Pendulum", "--length", "1", "--seed", "1"]
+PENDULUM = "--task tests.stages.pendulum:Pendulum --length 1 --seed 1"
 
 
 @pytest.fixture(scope="module")
@@ -35,14 +32,8 @@ def made(tmp_path_factory: pytest.TempPathFactory) -> Path:
     for name in ("a", "b"):
         episode = random_episode(rng, 20, task="drive on yew with 2 other cars")
         write(root / name, [episode])
-    generator = torch.Generator().manual_seed(0)
-    for ending in ("", "_b"):
-        primary = PrimaryNetwork(2, generator=generator)
-        PrimaryPolicy(PrimaryConfig(channels=2), primary).save_pretrained(root / f"primary{ending}")
-        safety = SafetyNetwork(PrimaryNetwork(2).feature_size, 8, generator=generator)
-        watched = weights_sha256(root / f"primary{ending}")
-        config = SafetyConfig(primary_sha256=watched, features=safety.in_features, hidden=8)
-        SafetyPolicy(config, safety).save_pretrained(root / f"safety{ending}")
+    for seed, ending in enumerate(("", "_b")):
+        save_untrained(root / f"primary{ending}", root / f"safety{ending}", seed)
     return root
 
 
@@ -54,37 +45,31 @@ def _stand_in(made: Path, monkeypatch: pytest.MonkeyPatch) -> None:
 @pytest.mark.parametrize(
     ("typed", "expected"),
     [
-        (["inspect", "a"], "a/episode_0000"),
-        (["compare", "a", "b"], "yew/a_0/b_0"),
-        (["watch", *WATCH, "--strategy", "reference"], "willow/reference/1"),
-        (["watch", *CAR], "willow/reference/0"),
-        (["watch", "primary", *CAR], "willow/naive/0"),
-        (["watch", "primary", "safety", *CAR], "willow/safe/0"),
-        (["watch", "primary", "safety", *WATCH, "--strategy", "naive"], "willow/naive/1"),
-        (["watch", "primary", *WATCH, "--strategy", "naive"], "willow/naive/1"),
-        (["watch", "primary", *WATCH, "--strategy", "reference"], "willow/reference/1"),
-        (["watch", "primary", "safety", *WATCH, "--strategy", "safe"], "willow/safe/1"),
-        (["watch", "primary", "safety", *WATCH, "--strategy", "optimal"], "willow/optimal/1"),
-        (
-            ["compare-policies", *BOTH, *WATCH, "--strategy", "naive"],
-            "willow/naive/1/primary/primary_b",
-        ),
+        ("inspect a", "a/episode_0000"),
+        ("compare a b", "yew/a_0/b_0"),
+        (f"watch {WATCH} --strategy reference", "willow/reference/1"),
+        (f"watch {CAR}", "willow/reference/0"),
+        (f"watch primary {CAR}", "willow/naive/0"),
+        (f"watch primary safety {CAR}", "willow/safe/0"),
+        (f"watch primary safety {NAIVE}", "willow/naive/1"),
+        (f"watch primary {NAIVE}", "willow/naive/1"),
+        (f"watch primary {WATCH} --strategy reference", "willow/reference/1"),
+        (f"watch primary safety {WATCH} --strategy safe", "willow/safe/1"),
+        (f"watch primary safety {WATCH} --strategy optimal", "willow/optimal/1"),
+        (f"compare-policies {BOTH} {NAIVE}", "willow/naive/1/primary/primary_b"),
     ],
 )
 def test_a_file_for_rerun(
-    typed: list[str],
-    expected: str,
-    tmp_path: Path,
-    capsys: pytest.CaptureFixture[str],
+    typed: str, expected: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     path = tmp_path / "shown.rrd"
-    assert run(*typed, "--save", path) == 0
+    assert run(f"{typed} --save {path}") == 0
     assert [entry.recording_id for entry in recordings(path)] == [expected]
     *before, last = capsys.readouterr().out.splitlines()
     assert last == f"{path}: open it with `rerun {path}`"
-    if typed[0] == "compare-policies":
+    if typed.startswith("compare-policies"):
         assert [line.split(":")[0] for line in before] == ["a, primary", "b, primary_b"]
-    if typed[0] == "watch":
+    if typed.startswith("watch"):
         assert "who" in origins(path)
         assert before[-1].startswith("0.0") and " laps, damage 0.00, 5 frames" in before[-1]
     if "--tracks" in typed:
@@ -94,7 +79,7 @@ def test_a_file_for_rerun(
 def test_takeovers_are_listed_as_they_are_ranked(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    assert run("inspect", "a", "--unsafe", "--save", tmp_path / "x.rrd") == 0
+    assert run(f"inspect a --unsafe --save {tmp_path}/x.rrd") == 0
     *listed, size, _ = capsys.readouterr().out.splitlines()
     expected = ranked_takeovers(Dataset.open(Path("a")))
     assert listed == [f"{rank:04d}: {takeover}" for rank, takeover in enumerate(expected, 1)]
@@ -109,12 +94,12 @@ def test_a_film_and_a_recording_are_of_one_drive(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     """With equal seeds, by whatever strategy: where both drive, the outcome is the same."""
-    drive = [*CAR, "--seconds", "3", "--seed", "7", "--strategy"]
-    for policies, strategy in ((["primary", "safety"], "safe"), (["primary"], "naive")):
-        typed, path = [*policies, *drive, strategy], tmp_path / strategy
-        assert run("film", *typed, "--show-every", "9", "--output", f"{path}.gif") == 0
+    drive = f"{CAR} --seconds 3 --seed 7 --strategy"
+    for policies, strategy in (("primary safety", "safe"), ("primary", "naive")):
+        typed, path = f"{policies} {drive} {strategy}", tmp_path / strategy
+        assert run(f"film {typed} --show-every 9 --output {path}.gif") == 0
         filmed = capsys.readouterr().out.splitlines()[-1].partition("pictures; ")[2]
-        assert run("watch", *typed, "--save", f"{path}.rrd") == 0
+        assert run(f"watch {typed} --save {path}.rrd") == 0
         assert filmed in capsys.readouterr().out.splitlines()
 
 
@@ -123,15 +108,13 @@ def test_driving_naively_needs_no_safety_policy(
 ) -> None:
     """And is the same drive with one: filmed, and evaluated."""
     shown = {}
-    for name, policies in (("with", BOTH[:2]), ("without", BOTH[:1])):
+    for name, policies in (("with", "primary safety"), ("without", "primary")):
         film, drives, metrics = (tmp_path / f"{name}.{kind}" for kind in ("gif", "csv", "json"))
-        assert run("film", *policies, *FILM, film) == 0
+        assert run(f"film {policies} {FILM} --output {film}") == 0
         assert capsys.readouterr().out.endswith("0 takeovers; ended: out of time\n")
-        typed = [*WATCH, *EVALUATE, drives, "--metrics", metrics, "--strategies", "naive"]
-        assert run("evaluate", *policies, *typed) == 0
-        assert capsys.readouterr().out.endswith(
-            "0 of them by the reference; ended: out of time 2\n"
-        )
+        places = f"--drives {drives} --metrics {metrics}"
+        assert run(f"evaluate {policies} {EVALUATE} {places} --strategies naive") == 0
+        assert capsys.readouterr().out.endswith("the reference; ended: out of time 2\n")
         shown[name] = [path.read_bytes() for path in (film, drives, metrics)]
     assert shown["with"] == shown["without"]
 
@@ -140,8 +123,8 @@ def test_a_film_of_two_is_as_wide_as_both(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     alone, both = tmp_path / "alone.gif", tmp_path / "both.gif"
-    assert run("film", *BOTH[:2], *FILM, alone) == 0
-    assert run("film", *BOTH[:2], "--beside", *BOTH[2:], *FILM, both) == 0
+    assert run(f"film primary safety {FILM} --output {alone}") == 0
+    assert run(f"film primary safety --beside primary_b safety_b {FILM} --output {both}") == 0
     assert capsys.readouterr().out.splitlines()[1].count("ended: out of time") == 2
     (width, height), wider = (Image.open(path).size for path in (alone, both))
     assert wider == (2 * width, height)
@@ -149,11 +132,10 @@ def test_a_film_of_two_is_as_wide_as_both(
 
 def test_each_side_is_driven_by_its_own_policies(tmp_path: Path) -> None:
     """What a and b propose and believe is what `watch` shows of them alone."""
-    how = [*WATCH, "--strategy", "naive", "--save"]
     pair, alone_a, alone_b = (tmp_path / f"{name}.rrd" for name in ("pair", "a", "b"))
-    assert run("compare-policies", *BOTH, *how, pair) == 0
-    assert run("watch", *BOTH[:2], *how, alone_a) == 0
-    assert run("watch", *BOTH[2:], *how, alone_b) == 0
+    assert run(f"compare-policies {BOTH} {NAIVE} --save {pair}") == 0
+    assert run(f"watch primary safety {NAIVE} --save {alone_a}") == 0
+    assert run(f"watch primary_b safety_b {NAIVE} --save {alone_b}") == 0
     for entity in ("action/primary_steering", "safe_probability/safe_probability"):
         a, b, *expected = (
             column(path, recordings(path)[0], f"/{root}{entity}", "scalars")
@@ -165,54 +147,35 @@ def test_each_side_is_driven_by_its_own_policies(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("typed", "named"),
     [
-        (["inspect", "a", "--save", "x.rrd", "--web"], "exclude each other"),
-        (["inspect", "a", "--port", "9000"], "--port is where --web serves its page"),
-        (["compare", "a", "b", "--drive", "1"], "no drive 1"),
-        (["watch", *WATCH, "--strategy", "naive"], "strategy is naive, which needs a primary"),
-        (["watch", "primary", "--tracks", "oak"], "track 'oak': expected one of"),
+        ("inspect a --save x.rrd --web", "exclude each other"),
+        ("inspect a --port 9000", "--port is where --web serves its page"),
+        ("compare a b --drive 1", "no drive 1"),
+        (f"watch {NAIVE}", "strategy is naive, which needs a primary"),
+        ("watch primary --tracks oak", "track 'oak': expected one of"),
+        (f"watch primary {WATCH} --strategy safe", "is safe, which needs a safety policy"),
         (
-            ["watch", "primary", *WATCH, "--strategy", "safe"],
-            "is safe, which needs a safety policy",
-        ),
-        (
-            ["film", "primary", *FILM, "x.gif", "--strategy", "optimal"],
+            f"film primary {FILM} --output x.gif --strategy optimal",
             "strategy is optimal, which needs a safety policy",
         ),
         (
-            ["evaluate", "primary", *WATCH, *EVALUATE, "x", "--strategies", "naive,safe"],
+            f"evaluate primary {EVALUATE} --metrics x.json --drives x --strategies naive,safe",
             "strategy is safe, which needs a safety policy",
         ),
-        (["watch", "safety", "primary", *WATCH, "--strategy", "safe"], "expected"),
-        (["watch", *WATCH, "--strategy", "reference", "--tracks", "nowhere"], "nowhere"),
-        (
-            ["watch", *WATCH, "--strategy", "reference", "--tracks", "yew,alder"],
-            "'yew,alder', expected a",
-        ),
-        (["film", "primary", *FILM, "x.gif", "--tracks", "yew,alder"], "'yew,alder', expected a"),
-        (
-            ["compare-policies", *BOTH, *WATCH, "--strategy", "naive", "--tracks", "yew,alder"],
-            "'yew,alder', expected a",
-        ),
-        (["watch", *PENDULUM, "--strategy", "reference"], UNDRAWN),
-        (
-            ["film", "primary", *PENDULUM, *FILM[len(WATCH) :], "x.gif"],
-            UNDRAWN,
-        ),
-        (["compare-policies", *BOTH, *PENDULUM, "--strategy", "naive"], UNDRAWN),
-        (["watch", *WATCH, "--strategy", "reference", "--action-repeat", "7"], "action_repeat"),
-        (["watch", *WATCH, "--strategy", "mixture"], "--strategy"),
-        (["compare-policies", *BOTH, *WATCH, "--strategy", "reference"], "reference"),
-        (["compare-policies", "a", "safety", "b", "safety", *WATCH, "--strategy", "safe"], "a/"),
+        (f"watch safety primary {WATCH} --strategy safe", "expected"),
+        (f"watch {CAR} --tracks nowhere", "nowhere"),
+        (f"watch {CAR} --tracks yew,alder", "'yew,alder', expected a"),
+        (f"film primary {FILM} --output x.gif --tracks yew,alder", "'yew,alder', expected a"),
+        (f"compare-policies {BOTH} {NAIVE} --tracks yew,alder", "'yew,alder', expected a"),
+        (f"watch {PENDULUM} --strategy reference", UNDRAWN),
+        (f"film primary {PENDULUM} --show-every 1 --strategy naive --output x.gif", UNDRAWN),
+        (f"compare-policies {BOTH} {PENDULUM} --strategy naive", UNDRAWN),
+        (f"watch {CAR} --action-repeat 7", "action_repeat"),
+        (f"watch {WATCH} --strategy mixture", "--strategy"),
+        (f"compare-policies {BOTH} {WATCH} --strategy reference", "reference"),
+        (f"compare-policies a safety b safety {WATCH} --strategy safe", "a/"),
     ],
 )
 def test_nonsense_is_one_line(
-    typed: list[str],
-    named: str,
-    made: Path,
-    capsys: pytest.CaptureFixture[str],
+    typed: str, named: str, made: Path, refused: Callable[..., str]
 ) -> None:
-    before = sorted(made.iterdir())
-    assert run(*typed) == 2
-    error = capsys.readouterr().err
-    assert named in error and len(error.strip().splitlines()) == 1
-    assert sorted(made.iterdir()) == before
+    assert named in refused(typed, made)

@@ -6,63 +6,17 @@ import subprocess
 import sys
 from collections import defaultdict
 from pathlib import Path
-from typing import Any
 
-import pandas as pd
 import pytest
 import yaml
 
+from pipeline.data.dataset import Dataset
 from pipeline.evaluation.drives import read_drives
-from tests.command import run
 from tests.content import processor, run_hashes
+from tests.stages.tiny import HOUSE, RUNS, TINY, dvc, linked, plan, reproduced
 
-HOUSE = Path(__file__).parents[2]
 HELD = HOUSE / "tests" / "held" / "tiny.json"
 OF_THE_REFERENCE = ("D_0", "D_safe", "D_held", "new_supervised_1")
-EACH = {
-    "samples": [128],
-    "protocol": "anywhere",
-    "tau": [0.0025],
-    "driven_by": "naive,safe,optimal",
-    "words": "One.",
-    "colour": "black",
-    "marker": "o",
-}
-RUNS: dict[str, dict[str, Any]] = {
-    "safedagger": EACH
-    | {"strategy": "safedagger", "name": "SafeDAgger", "queries": [12, 12], "from_scratch": [2]},
-    "dagger": EACH | {"strategy": "dagger", "name": "DAgger", "frames": [30], "sample": [12]},
-    "supervised": EACH
-    | {"strategy": "supervised", "name": "supervised", "episodes": [2], "protocol": "briefly"},
-    "ahead": EACH
-    | {"strategy": "safedagger", "name": "Ahead", "variant_of": "safedagger", "queries": [12]}
-    | {"horizon": 0.5, "horizon_mode": "max", "driven_by": "safe"},
-    "audited": EACH
-    | {"strategy": "safedagger", "name": "Audited", "variant_of": "safedagger", "queries": [12]}
-    | {"audit": 0.5, "set_aside": 0.75, "driven_by": "safe"},
-    "more": EACH | {"strategy": "training", "name": "more training", "driven_by": ""},
-}
-TINY: dict[str, Any] = {
-    "runs": RUNS,
-    "tracks": {"training": "alder,birch", "test": "yew"},
-    "contact-sheet": {"frames": 2},
-    "film": {"traffic": 2, "seconds": 2},
-    "drive": {"traffic": 3},
-    "d-0": {"episodes": 4, "seconds": 1},
-    "d-safe": {"episodes": 4, "seconds": 1},
-    "primary-0": {"samples": 192},
-    "train-primary": {"channels": 4},
-    "train-safety": {"samples": 256, "hidden": 8, "cut": 1.0},
-    "rollout": {"frames": 60},
-    "protocols": {
-        name: {"seconds": seconds, "offset-spread": 0.3, "angle-spread": 0.03}
-        for name, seconds in (("anywhere", 2), ("briefly", 1))
-    },
-    "reliability": {"ends": "random:1-2", "between": "random:1"},
-    "lap": {"traffic": 2, "laps": 0.05, "seconds": 2},
-    "evaluate": {"traffic": 2, "laps": 0.05, "seconds": 2, "starts": 1},
-}
-
 
 # What Python runs first of all: each stage writes down which of our modules it loads, in whichever
 # process.
@@ -87,44 +41,6 @@ def house(tmp_path_factory: pytest.TempPathFactory) -> Path:
         patch.setenv("PYTHONPATH", str(watch), prepend=os.pathsep)
         patch.setenv("LOADED", str(root / "loaded.txt"))
         return reproduced(root, TINY)
-
-
-def reproduced(root: Path, tiny: dict) -> Path:
-    """The project's own pipeline, with other parameters, from nothing to the report."""
-    for name in ("pipeline", "stages", "dvc.yaml"):
-        (root / name).symlink_to(HOUSE / name)
-    for name in ("curves", "frames"):
-        (root / "cards" / name).mkdir(parents=True)
-    plan(root, tiny)
-    dvc(root, "init", "--no-scm")
-    settings = (HOUSE / ".dvc" / "config").read_text()
-    (root / ".dvc" / "config").write_text(settings.replace("[core]", "[core]\n    no_scm = true"))
-    dvc(root, "repro")
-    return root
-
-
-def plan(root: Path, tiny: dict[str, Any]) -> None:
-    """Write the parameters and the loops."""
-    params = yaml.safe_load((HOUSE / "params.yaml").read_text())
-    for group, values in tiny.items():
-        params[group] = params[group] | values if group != "runs" else values
-    (root / "params.yaml").write_text(yaml.safe_dump(params, sort_keys=False))
-    assert run("plan", "--params", root / "params.yaml", "--loops", root / "loops.yaml") == 0
-
-
-def dvc(root: Path, *arguments: str) -> str:
-    """What a DVC command prints; the stages it runs find this Python's commands first."""
-    path = f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"
-    done = subprocess.run(
-        [Path(sys.executable).parent / "dvc", *arguments],
-        cwd=root,
-        env=os.environ | {"PATH": path},
-        capture_output=True,
-        text=True,
-        check=False,
-    )
-    assert done.returncode == 0, done.stdout + done.stderr
-    return done.stdout
 
 
 def metric(house: Path, name: str) -> dict:
@@ -171,8 +87,6 @@ def test_stages_depend_on_the_code_that_they_run(house: Path) -> None:
 
 
 def test_what_was_selected_is_what_was_queried_is_what_was_merged(house: Path) -> None:
-    from pipeline.data.dataset import Dataset
-
     before = len(Dataset.open(house / "datasets" / "D_0"))
     for step in ("safedagger_1", "safedagger_2"):
         raw = Dataset.open(house / "datasets" / f"rollout_{step}")
@@ -184,24 +98,22 @@ def test_what_was_selected_is_what_was_queried_is_what_was_merged(house: Path) -
         before = after
 
 
-def test_dagger_pays_for_all_that_it_collects_and_trains_on_a_sample(house: Path) -> None:
-    ledger = ledger_of(house, "dagger_1")
-    assert ledger["queries"] == ledger["frames_driven"] == 30
-    assert ledger["frames_selected"] == 12
-    assert ledger["takeover"] == 0
-
-
-def test_supervised_learning_pays_for_what_the_reference_drives(house: Path) -> None:
-    ledger = ledger_of(house, "supervised_1")
-    assert ledger["queries"] == ledger["frames_driven"] == ledger["frames_selected"] == 20
-    assert ledger["takeover"] == 1
+@pytest.mark.parametrize(
+    ("step", "queries", "added", "takeover"), [("dagger_1", 30, 12, 0), ("supervised_1", 20, 20, 1)]
+)
+def test_whoever_drives_all_that_is_collected_is_paid_for_and_dagger_trains_on_a_sample(
+    house: Path, step: str, queries: int, added: int, takeover: float
+) -> None:
+    ledger = ledger_of(house, step)
+    assert ledger["queries"] == ledger["frames_driven"] == queries
+    assert (ledger["frames_selected"], ledger["takeover"]) == (added, takeover)
 
 
 def test_all_strategies_are_evaluated(house: Path) -> None:
     driven = {"dagger_1": {"naive", "safe", "optimal"}, "ahead_0": {"safe"}}
     driven["scratch_2"] = {"naive", "safe"}
     for step, strategies in driven.items():
-        drives = pd.read_csv(house / f"cards/metrics/seed_0/drives_{step}.csv")
+        drives = read_drives(house / f"cards/metrics/seed_0/drives_{step}.csv")
         assert set(drives.strategy) == strategies
         shown = strategies - {"optimal"}
         assert set(metric(house, f"driving_{step}")) == {"rows"} | shown
@@ -267,7 +179,7 @@ def test_the_curves_of_all_trainings_can_be_drawn(house: Path) -> None:
     assert {name.removeprefix("curve_") for name in curves} == trained
     rows = (metrics / "curve_safety_0.csv").read_text().splitlines()
     assert rows[0] == "epoch,samples,loss" and rows[-1].split(",")[1] == "256"
-    dvc(house, "plots", "show", "--out", str(house / "plots"))
+    dvc(house, f"plots show --out {house}/plots")
     page = (house / "plots" / "index.html").read_text()
     assert all(f"{name}.csv" in page for name in curves) and '"field": "loss"' in page
 
@@ -289,7 +201,7 @@ def test_a_change_in_iteration_2_runs_only_what_follows(house: Path) -> None:
     before = {name: (house / name).read_text() for name in ("params.yaml", "loops.yaml")}
     plan(house, TINY | {"runs": RUNS | {"safedagger": RUNS["safedagger"] | {"samples": [128, 64]}}})
     try:
-        planned = dvc(house, "repro", "--dry")
+        planned = dvc(house, "repro --dry")
     finally:
         for name, text in before.items():
             (house / name).write_text(text)
@@ -300,23 +212,10 @@ def test_a_change_in_iteration_2_runs_only_what_follows(house: Path) -> None:
     assert steps <= {"safedagger_2", "scratch_2", "runs", "cards", "report"}
 
 
-def test_loops_that_are_not_those_of_the_runs_stop_it(tmp_path: Path) -> None:
-    for name in ("pipeline", "stages", "dvc.yaml"):
-        (tmp_path / name).symlink_to(HOUSE / name)
-    plan(tmp_path, TINY)
-    loops = tmp_path / "loops.yaml"
-    loops.write_text(loops.read_text().replace('"queries": 12', '"queries": 13'))
-    words = ("--params", tmp_path / "params.yaml", "--loops", loops)
-    assert run("runs", *words, "--metrics", tmp_path / "runs.json") == 2
-    assert not (tmp_path / "runs.json").exists()
-
-
 def test_without_a_run_that_needs_a_safety_policy_there_is_a_pipeline(tmp_path: Path) -> None:
-    for name in ("pipeline", "stages", "dvc.yaml"):
-        (tmp_path / name).symlink_to(HOUSE / name)
-    plan(tmp_path, TINY | {"runs": {"mine": RUNS["dagger"]}})
-    dvc(tmp_path, "init", "--no-scm")
-    stages = dvc(tmp_path, "stage", "list", "--name-only").split()
+    linked(tmp_path, TINY | {"runs": {"mine": RUNS["dagger"]}})
+    dvc(tmp_path, "init --no-scm")
+    stages = dvc(tmp_path, "stage list --name-only").split()
     assert "rollout-dagger@mine_1" in stages and "train-safety@mine_1" in stages
     assert not [name for name in stages if name.startswith(("rollout@", "select@", "contact"))]
 
@@ -329,8 +228,6 @@ GOOD = TINY | {
 
 def test_a_rollout_in_which_nothing_was_unsafe_does_not_stop_the_loop(tmp_path: Path) -> None:
     """With a cut of 0 nothing is: D_1 is D_0, no query was paid, and all that follows runs."""
-    from pipeline.data.dataset import Dataset
-
     house = reproduced(tmp_path, GOOD)
     new, before, after = (
         Dataset.open(house / "datasets" / name)

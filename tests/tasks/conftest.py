@@ -1,13 +1,8 @@
 import os
 import subprocess
 import sys
-from collections.abc import Callable
 
 import pytest
-
-from tests.command import run
-
-Command = Callable[..., tuple[int, str, str]]
 
 DRAW = 'import mujoco; mujoco.Renderer(mujoco.MjModel.from_xml_string("<mujoco/>")).close()'
 
@@ -23,9 +18,3 @@ def drawing() -> None:
     if tried.returncode:
         give_up = pytest.fail if "CI" in os.environ else pytest.skip
         give_up(f"MuJoCo cannot draw here: {tried.stderr.splitlines()[-1]}")
-
-
-@pytest.fixture
-def safedagger(capsys: pytest.CaptureFixture[str]) -> Command:
-    """Runs a command in this process; gives its exit code, stdout and stderr."""
-    return lambda *words: (run(*words), *capsys.readouterr())
