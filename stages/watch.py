@@ -63,7 +63,7 @@ def watch(
     )
     fps, tally = task.fps, Tally()
     frames = watched(plan, driver, judgement)
-    saved: list[Footage] = []  # at once, so that a file has lanes too
+    saved: list[Footage] = []  # at once, so that a file has all views
     blueprint = drive_blueprint(fps) if save else live_blueprint(fps)
     with options.rerun_sink(save, web, port, blueprint) as sink:
         name = f"{track.name}/{strategy}/{seed}"
