@@ -49,7 +49,7 @@ def watch(
     driver = Driver.load(primary, safety, device=computes) if primary else None
     fps, tally, track = task.fps, Tally(), make_track(plan.scenario)
     frames = watched(plan, driver, judgement)
-    saved: list[Footage] = []  # at once, so that a file shows who drove, too
+    saved: list[Footage] = []  # at once, so that a file has all views
     blueprint = drive_blueprint(fps) if save else live_blueprint(fps)
     with options.rerun_sink(save, web, port, blueprint) as sink:
         name = f"{track.name}/{how}/{seed}"
