@@ -48,7 +48,7 @@ RUNS = TINY["runs"]
 
 def linked(root: Path, tiny: dict[str, Any]) -> None:
     """The project's own code and pipeline, with other parameters and their loops."""
-    for name in ("pipeline", "stages", "dvc.yaml"):
+    for name in (".dvcignore", "pipeline", "stages", "dvc.yaml"):
         (root / name).symlink_to(HOUSE / name)
     plan(root, tiny)
 
