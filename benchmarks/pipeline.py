@@ -87,7 +87,7 @@ def _house(root: Path) -> None:
     for group, values in TENTH.items():
         params[group] |= values
     params["runs"]["safedagger"] |= RUN
-    for name in ("pipeline", "stages", "dvc.yaml"):
+    for name in (".dvcignore", "pipeline", "stages", "dvc.yaml"):
         (root / name).symlink_to(ROOT / name)
     for name in ("watched", "cards/curves", "cards/frames", ".dvc"):
         (root / name).mkdir(parents=True)
