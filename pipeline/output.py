@@ -62,6 +62,7 @@ def seen_from(folder: Path, path: Path) -> str:
 @contextmanager
 def _scratch(parent: Path) -> Iterator[Path]:
     """A folder in `parent`, so that the last step is a rename within one file system."""
+    made = [folder for folder in (parent, *parent.parents) if not folder.exists()]
     parent.mkdir(parents=True, exist_ok=True)
     _sweep(parent)
     scratch = Path(tempfile.mkdtemp(prefix=SCRATCH, dir=parent))
@@ -72,6 +73,9 @@ def _scratch(parent: Path) -> Iterator[Path]:
             yield scratch
     finally:
         shutil.rmtree(scratch, ignore_errors=True)
+        with suppress(OSError):  # where something has become of it they are not empty
+            for folder in made:
+                folder.rmdir()
 
 
 def _sweep(parent: Path) -> None:

@@ -21,10 +21,11 @@ def test_a_directory_appears_when_the_block_ends(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("error", [ValueError, KeyboardInterrupt])
 def test_nothing_is_left_of_a_block_that_fails(tmp_path: Path, error: type[BaseException]) -> None:
-    with pytest.raises(error), new_directory(tmp_path / "out") as folder:
+    (tmp_path / "there").mkdir()
+    with pytest.raises(error), new_directory(tmp_path / "there" / "new" / "too" / "out") as folder:
         folder.mkdir()
         raise error
-    assert list(tmp_path.iterdir()) == []
+    assert list(tmp_path.rglob("*")) == [tmp_path / "there"]
 
 
 def test_what_is_there_is_refused_before_the_block(tmp_path: Path) -> None:

@@ -14,6 +14,7 @@ from lerobot.policies.diffusion.configuration_diffusion import DiffusionConfig
 
 from pipeline.data.dataset import Dataset
 from pipeline.data.ledger import collected
+from pipeline.data.merging import merge
 from pipeline.data.schema import Asked
 from pipeline.data.selecting import select
 from pipeline.driving.features import FEATURES
@@ -181,18 +182,21 @@ def test_of_context_it_says_that_it_is_no_label(
 
 
 def test_of_audits_it_says_that_they_are_some(house: Path, make_cards: Callable[..., Path]) -> None:
-    drive = random_episode(np.random.default_rng(2), 3, task=ALDER, asked=[Asked.AUDIT] * 3)
-    audited = write(house / "datasets" / "rollout_2", [drive], "rollout", audit=0.25)
-    select(audited, house / "datasets" / "audits_2", Asked.AUDIT)
+    datasets, audits = house / "datasets", []
+    for n in (2, 3):
+        drive = random_episode(np.random.default_rng(n), 3, task=ALDER, asked=[Asked.AUDIT] * 3)
+        audited = write(datasets / f"rollout_{n}", [drive], "rollout", audit=0.25)
+        select(audited, datasets / f"audits_{n}", Asked.AUDIT)
+        audits.append(Dataset.open(datasets / f"audits_{n}"))
+    merge(audits, datasets / "audits")
     folder = make_cards("other") / "datasets"
-    assert (
-        "A random 0.25 of the others was asked about, too." in (folder / "rollout_2.md").read_text()
-    )
-    card = (folder / "audits_2.md").read_text()
-    assert (
-        "the frames that the reference was asked about, as audit. Each run" in card
-        and "as context" not in card
-    )
+    cards = {
+        name: (folder / f"{name}.md").read_text() for name in ("rollout_2", "audits_2", "audits")
+    }
+    assert "A random 0.25 of the others was asked about, too." in cards["rollout_2"]
+    assert "frames that the reference was asked about, as audit. Each run" in cards["audits_2"]
+    assert "as context" not in cards["audits_2"]
+    assert "The audits of several rollouts" in cards["audits"] and "D_i" not in cards["audits"]
 
 
 def test_the_columns_mean_what_the_page_says(cards: Path) -> None:
