@@ -89,7 +89,7 @@ def loops(comparison: Comparison) -> dict[str, Any]:
             if of["strategies"]
         },
         "relied-on": dict(_relied_on(comparison)),
-        "pictured": [f"{name}_1" for name in comparison.watched[:1]],
+        "pictured": [f"{name}_1" for name, run in comparison.runs.items() if run.is_watched][:1],
         "ledgers": {
             FIRST: {"driven": "D_0"},
             "safe": {"driven": "D_safe"},

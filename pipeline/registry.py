@@ -34,8 +34,8 @@ MEASURES = {
 
 
 def find(what: str, name: str, known: Mapping[str, str]) -> Any:
-    """What is `known` by a name, or named as "module:attribute"; a ValueError calls what was looked for
-    `what`, where there is none.
+    """What is `known` by a name, or named as "module:attribute"; ValueError where there is none,
+    in which `what` names what was looked for.
     """
     module, _, attribute = known.get(name, name).partition(":")
     try:

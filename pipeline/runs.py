@@ -31,7 +31,9 @@ BESIDE = ("tau", "scratch")
 
 
 class Run(BaseModel):
-    """One run; it has as many iterations as its budgets."""
+    """One run; it has as many iterations as its budgets. ValidationError where a key is unknown, missing
+    or out of its range.
+    """
 
     model_config = ConfigDict(extra="forbid", frozen=True)
 
@@ -168,8 +170,9 @@ class Reliability(BaseModel):
 class Comparison(BaseModel):
     """All runs by their names, the first of which sets the safety policy of the supervised stage.
 
-    None is called as one of BESIDE, or is a variant, or of a protocol, that there is not; one is trained
-    from scratch at most, and the first has a supervised stage that others can share.
+    ValidationError where there is none; where one has a name of BESIDE, or is a variant, or of a
+    protocol, that there is not; where several are trained from scratch; or where the first, whose
+    supervised stage others share, sets something aside.
     """
 
     model_config = ConfigDict(extra="forbid", frozen=True)
@@ -211,11 +214,6 @@ class Comparison(BaseModel):
             first = error.errors()[0]
             place = ".".join(map(str, first["loc"])) or "runs"
             raise ValueError(f"{place}: {first['msg'].removeprefix('Value error, ')}") from None
-
-    @property
-    def watched(self) -> list[str]:
-        """The runs whose loop needs a safety policy."""
-        return [name for name, run in self.runs.items() if run.is_watched]
 
 
 def read_params(path: Path) -> dict[str, Any]:

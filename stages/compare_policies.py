@@ -26,9 +26,8 @@ def compare_policies(
 
     From the same start, among the same cars.
     """
-    from pipeline.driving.tracks import make_track
     from pipeline.inspection.drawn import plan_to_draw, watched
-    from pipeline.inspection.footage import Footage
+    from pipeline.inspection.footage import Footage, track_of
     from pipeline.inspection.pairs import Pair
     from pipeline.inspection.rerun_blueprints import pair_blueprint
     from pipeline.inspection.rerun_log import log_pair
@@ -42,22 +41,23 @@ def compare_policies(
     judged = [Judgement.read(safety, cut) for _, safety in policies]
     plans = [plan_to_draw(task, how, judgement, seed) for judgement in judged]
     drivers = [Driver.load(*pair, device=computes) for pair in policies]
-    fps, plan = task.fps, plans[0]
+    fps = task.fps
     with options.rerun_sink(save, web, port, pair_blueprint(fps)) as sink:
         drives, told = [], []
         with options.progress("driving", len(plans)) as advance_to:
-            for number, side in enumerate(zip(plans, drivers, judged, strict=True)):
+            sides = zip("ab", (primary_a, primary_b), plans, drivers, judged, strict=True)
+            for before, (side, primary, plan, driver, judgement) in enumerate(sides):
                 frames = []
-                for footage, tally in watched(*side):
+                for footage, tally in watched(plan, driver, judgement):
                     frames.append(footage)
-                    advance_to(number + tally.done)
-                drives.append((Footage.joined(frames), judged[number]))
-                told.append(f"{'ab'[number]}, {policies[number][0].name}: {tally}")
+                    advance_to(before + tally.done)
+                drives.append((Footage.joined(frames), judgement))
+                told.append(f"{side}, {primary.name}: {tally}")
         typer.echo("\n".join(told))
         pair = Pair(
             f"{strategy}, {plan.description}, seed {seed}: a is {primary_a.name}, b is {primary_b.name}",
             f"{plan.scenario}/{strategy}/{seed}/{primary_a.name}/{primary_b.name}",
-            make_track(plan.scenario),
+            track_of(plan.description),
             *drives,
         )
         log_pair(pair, sink.connect, fps=fps)

@@ -9,8 +9,6 @@ from typing import Annotated
 
 import typer
 
-from pipeline.output import check_place, seen_from, write_file
-
 ERRORS = "How the supervised primary's errors lie around tau (the paper's Fig. 2)"
 FRAMES = "What the first safety policy found safest and least safe (the paper's appendix)"
 
@@ -31,6 +29,7 @@ def report(
     from pipeline.evaluation.experiment import STEP
     from pipeline.inspection.canvas import png
     from pipeline.inspection.tracks import track_sheet
+    from pipeline.output import check_place, seen_from, write_file
     from pipeline.report.figures import TITLES, over_the_iterations, result
     from pipeline.report.label_curves import label_curves
     from pipeline.report.material import read_material
@@ -62,7 +61,11 @@ def report(
             labels=places.get("labels"),
             figures={title: places[name] for name, title in TITLES.items() if name in places},
             by_seed={
-                title: _of_seeds(folder, material.experiment.seeds, output.parent)
+                title: {
+                    seed: seen_from(output.parent, path)
+                    for seed in material.experiment.seeds
+                    if (path := folder / f"seed_{seed}.png").is_file()
+                }
                 for title, folder in ((ERRORS, errors), (FRAMES, frames))
             },
             tracks={title: places[name] for name, (title, _) in sheets.items()},
@@ -75,9 +78,3 @@ def report(
     typer.echo(
         f"{output}: {len(material.experiment.drives.groupby(STEP[:3]))} steps, {len(pngs)} figures in {figures}"
     )
-
-
-def _of_seeds(folder: Path, seeds: list[int], place: Path) -> dict[int, str]:
-    """The pictures that there are, seen from the report's place."""
-    paths = {seed: folder / f"seed_{seed}.png" for seed in seeds}
-    return {seed: seen_from(place, path) for seed, path in paths.items() if path.is_file()}

@@ -42,7 +42,6 @@ def train_safety(
     """
     from dataclasses import replace
     from functools import partial
-    from itertools import combinations
 
     import numpy as np
 
@@ -78,8 +77,7 @@ def train_safety(
         **settings.kept,
     )
     with new_directory(output) as folder:
-        for one, another in combinations([own_data, safe_data, *audited], 2):
-            refuse_shared(one, another)
+        refuse_shared(own_data, safe_data, *audited)
         trained = policy_lineage(primary)
         if safe_data.lineage.sha256 in trained.own.parents:
             raise ValueError(

@@ -29,9 +29,8 @@ def watch(
     port: options.Port = 0,
 ) -> None:
     """Drive, and show it in Rerun meanwhile. Ctrl-C ends the drive."""
-    from pipeline.driving.tracks import make_track
     from pipeline.inspection.drawn import Tally, in_real_time, plan_to_draw, watched
-    from pipeline.inspection.footage import Footage
+    from pipeline.inspection.footage import Footage, track_of
     from pipeline.inspection.rerun_blueprints import drive_blueprint, live_blueprint
     from pipeline.inspection.rerun_log import drive_tracer, new_recording
     from pipeline.inspection.rerun_traces import COMPRESSED, RAW
@@ -47,7 +46,7 @@ def watch(
     judgement = Judgement.read(safety, cut) if safety else None
     plan = plan_to_draw(task, how, judgement, seed)
     driver = Driver.load(primary, safety, device=computes) if primary else None
-    fps, tally, track = task.fps, Tally(), make_track(plan.scenario)
+    fps, tally, track = task.fps, Tally(), track_of(plan.description)
     frames = watched(plan, driver, judgement)
     saved: list[Footage] = []  # at once, so that a file has all views
     blueprint = drive_blueprint(fps) if save else live_blueprint(fps)

@@ -19,9 +19,9 @@ from pipeline.data.lineage import Lineage
 from pipeline.driving.features import CAMERA, IMAGE_SHAPE
 from pipeline.evaluation.writing import write_metrics
 
-COUNT = 6  # frames in the strip beside a card, small enough to lie in git
-GAP = 2  # [pixels] of white between frames
-QUALITY = 80  # of the JPEG: about 4 kB a frame
+STRIP_FRAMES = 6  # frames in the strip beside a card, small enough to lie in git
+STRIP_GAP = 2  # [pixels] of white between frames
+JPEG_QUALITY = 80  # of the JPEG: about 4 kB a frame
 
 
 def write_dataset_cards(folder: Path, catalogue: Catalogue) -> dict[str, dict[str, Any]]:
@@ -87,7 +87,7 @@ def write_card(facts: Path) -> None:
     facts.with_suffix(".md").write_text(text, encoding="utf-8")
 
 
-def sample_rows(frames: int, count: int = COUNT) -> list[int]:
+def sample_rows(frames: int, count: int = STRIP_FRAMES) -> list[int]:
     """The rows in the middle of `count` equal parts of `frames` rows; all where there are fewer."""
     count = min(count, frames)
     return [(2 * part + 1) * frames // (2 * count) for part in range(count)]
@@ -95,10 +95,10 @@ def sample_rows(frames: int, count: int = COUNT) -> list[int]:
 
 def strip(images: Sequence[NDArray[np.uint8]]) -> bytes:
     """Images [72, 160, 3] beside each other, as a JPEG; the same images give the same bytes."""
-    gap = np.full((IMAGE_SHAPE[0], GAP, 3), 255, np.uint8)
+    gap = np.full((IMAGE_SHAPE[0], STRIP_GAP, 3), 255, np.uint8)
     parts = [part for image in images for part in (gap, image)][1:]
     picture = cv2.cvtColor(np.concatenate(parts, axis=1), cv2.COLOR_RGB2BGR)
-    return cv2.imencode(".jpg", picture, [cv2.IMWRITE_JPEG_QUALITY, QUALITY])[1].tobytes()
+    return cv2.imencode(".jpg", picture, [cv2.IMWRITE_JPEG_QUALITY, JPEG_QUALITY])[1].tobytes()
 
 
 def _trained_on(

@@ -86,8 +86,8 @@ def arrives_first(experiment: Experiment, run: str, rival: str) -> Finding:
     """On every seed, all naive drives of a run do all laps after some iteration, and those of a
     rival not yet; does not hold where that is so on no seed.
     """
-    naive = experiment.among(strategy=Strategy.NAIVE)
-    short = _missing(naive).groupby([naive.run, naive.seed, naive.iteration]).any()
+    drives = experiment.among(strategy=Strategy.NAIVE)
+    short = _missing(drives).groupby([drives.run, drives.seed, drives.iteration]).any()
 
     def arrival(seed: int, run: str) -> float:
         """The first iteration after which each naive drive does; infinity where none is."""

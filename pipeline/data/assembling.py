@@ -36,7 +36,8 @@ def assemble(
     features: Mapping[str, Feature],
 ) -> None:
     """Write `pieces`, in that order, as a dataset of `features` in the new directory `root`, with the frame
-    rate and the robot of another. There may be none; of what a piece lacks see `stored_rows`.
+    rate and the robot of another, `like`; `recipe` is how it was made. There may be none; of what a
+    piece lacks see `stored_rows`.
 
     One file for each file of the pieces: those of D_{i-1} are taken as they are, so that DVC stores
     them once.

@@ -1,5 +1,7 @@
 """Which frames are one and the same, in whatever datasets they stand."""
 
+from itertools import combinations
+
 from pipeline.data.dataset import Dataset
 from pipeline.data.schema import SOURCE
 
@@ -12,10 +14,11 @@ def identities(dataset: Dataset) -> list[Identity]:
     return list(zip(*(columns[name][:, 0].tolist() for name in SOURCE), strict=True))
 
 
-def refuse_shared(first: Dataset, second: Dataset) -> None:
-    """Raise a ValueError if a frame stands in both datasets."""
-    shared = len(set(identities(first)) & set(identities(second)))
-    if shared:
-        raise ValueError(
-            f"{second.path}: {shared} of its frames are in {first.path} too, expected none"
-        )
+def refuse_shared(*datasets: Dataset) -> None:
+    """Raise a ValueError if a frame stands in two of the datasets."""
+    for first, second in combinations(datasets, 2):
+        shared = len(set(identities(first)) & set(identities(second)))
+        if shared:
+            raise ValueError(
+                f"{second.path}: {shared} of its frames are in {first.path} too, expected none"
+            )

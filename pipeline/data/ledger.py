@@ -20,9 +20,9 @@ from pipeline.task import load_task
 
 
 def count(raw: Dataset, aggregate: Dataset) -> dict[str, int | float | None]:
-    """Count one iteration: every frame driven in it, before selection, and D_i, which it trains on. In
-    iteration 0 both are the same, the reference's own driving, which the paper leaves out of the loop's
-    queries.
+    """Count one iteration: every frame driven in it, before selection (`raw`), and D_i, which it trains on
+    (`aggregate`). In iteration 0 both are the same, the reference's own driving, which the paper leaves
+    out of the loop's queries.
 
     Beside what `collected` counts, and raises, "frames_driven";
         "queries": frames for which the reference was asked for an action to drive or to train with;

@@ -1,7 +1,6 @@
 """Algorithm 1, line 8: aggregate datasets into one."""
 
 from collections.abc import Iterable, Sequence
-from itertools import combinations
 from pathlib import Path
 
 from pipeline.data.assembling import assemble
@@ -32,8 +31,7 @@ def merge(datasets: Sequence[Dataset], output: Path) -> Summary:
                     f"expected {first.info[what]} as in {first.path}"
                 )
     features = _union(datasets)
-    for one, another in combinations(datasets, 2):
-        refuse_shared(one, another)
+    refuse_shared(*datasets)
     pieces = [piece for dataset in datasets for piece in whole(dataset)]
     recipe = Recipe("merge", {}, [dataset.lineage for dataset in datasets])
     with new_directory(output) as root:

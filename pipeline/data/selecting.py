@@ -32,7 +32,7 @@ def select(
     Where nobody wrote down what was `queried`, it is what the reference drove: `intervention`; and
     where nobody wrote down why, it drove.
 
-    So much [s] of an episode `before` and `after` each is kept as context. It stays what it was: not
+    So much [s] of its episode `before` and `after` each of these rows is kept as context. It stays what it was: not
     `queried`, and `action` is the primary's own. What was asked for another reason is none.
 
     FileExistsError where `output` exists; ValueError where the dataset tells neither, or a time is below
@@ -82,7 +82,7 @@ def split(
     dataset: Dataset, output: Path, aside: Path, share: float, seed: int
 ) -> tuple[Summary, Summary]:
     """Write a random `share` of the episodes as the dataset `aside`, the others as `output`; ValueError
-    where no episodes are left on either side, FileExistsError where one of the two exists.
+    where one side would be left without any, FileExistsError where one of the two exists.
     """
     episodes = len(dataset.lengths)
     count = round(share * episodes)

@@ -53,11 +53,12 @@ class Summary:
 def write_dataset(
     path: Path, episodes: Iterable[Episode], recipe: Recipe, *, fps: int, robot: str
 ) -> Summary:
-    """Write `episodes` of the same features, consumed one at a time, as a LeRobot dataset of a
-    `robot_type`, and beside it how their drives ended.
+    """Write `episodes`, consumed one at a time, as a LeRobot dataset of `fps` frames per second, of
+    `robot` (LeRobot's `robot_type`), and beside it how their drives ended; `recipe` is how they
+    were made.
 
     FileExistsError where `path` exists, before the first episode is asked for; ValueError where there
-    are no episodes.
+    are no episodes, where they differ in their columns, or where LeRobot could not read them.
     """
     with new_directory(path) as root:
         spool = root.parent / ".rows"

@@ -29,9 +29,8 @@ SUMMED = (
     *("drives", "audits", "put_back", "failures"),
 )
 """What a loop adds up of its ledgers."""
-
-
 TABLES = ("drives", "ledgers", "quality")
+"""The fields of `Tables`."""
 
 
 def _no_steps() -> pd.DataFrame:

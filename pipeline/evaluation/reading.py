@@ -237,7 +237,7 @@ def read_driven(
     folder: Path, name: str, drives: str = _DRIVES, settings: str = "driving"
 ) -> pd.DataFrame:
     """The drives of a step, each with what its condition's task was set to, from files that begin with
-    these words. Raises as `read_drives` and `read_json`.
+    `drives` and `settings`. Raises as `read_drives` and `read_json`.
     """
     driven = read_drives(folder / f"{drives}_{name}.csv")
     file = folder / f"{settings}_{name}.json"

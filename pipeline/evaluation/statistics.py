@@ -33,7 +33,7 @@ type Statistic = Callable[[np.ndarray, np.ndarray], np.ndarray]
 
 def interquartile_mean(columns: np.ndarray, counts: np.ndarray) -> np.ndarray:
     """The mean of the middle half of the values (N, 1), as `scipy.stats.trim_mean(values, 0.25)`, for
-    each row of counts.
+    each row of counts (R, N).
     """
     order = np.argsort(columns[:, 0], kind="stable")
     places = np.cumsum(counts[:, order], axis=1)
@@ -44,7 +44,7 @@ def interquartile_mean(columns: np.ndarray, counts: np.ndarray) -> np.ndarray:
 
 
 def ratio_of_sums(columns: np.ndarray, counts: np.ndarray) -> np.ndarray:
-    """All parts over all wholes, (N, 2), for each row of counts; NaN where the wholes are 0. Where each
+    """All parts over all wholes, (N, 2), for each row of counts (R, N); NaN where the wholes are 0. Where each
     whole is 1, it is the mean.
     """
     parts, wholes = ((counts * column).sum(axis=1) for column in columns.T)
@@ -57,7 +57,7 @@ def estimate(
     strata: Sequence[tuple[int, str]],
     generator: np.random.Generator,
 ) -> Estimate | None:
-    """A statistic of some drives, N >= 1, from what it takes of each; None where it is not defined.
+    """A statistic of some drives, N >= 1, from what it takes of each, (N, K); None where it is not defined.
 
     `strata` are the seed and the track of each drive. Equally seeded generators give equal intervals.
     """

@@ -17,7 +17,7 @@ FLATTEST = 0.01
 def calibrate(
     network: SafetyNetwork, features: np.ndarray, safe: np.ndarray
 ) -> tuple[float, float]:
-    """Stretch and shift a trained network's logits, in its last layer, to the likeliest probabilities: by
+    """Stretch and shift a trained network's logits, in place, to the likeliest probabilities: by
     frames float [N, F] that it has not learned from, and whether they are safe, bool [N]. Returned is by
     what the difference of the logits (safe minus unsafe) was multiplied, then what was added. ValueError
     where there are no frames.

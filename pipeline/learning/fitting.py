@@ -25,7 +25,6 @@ WARM_UP = 0.2
 def fit(
     network: nn.Module,
     rows: np.ndarray,
-    *,
     loss_of: Callable[[np.ndarray], Tensor],
     validate: Callable[[], Metrics],
     settings: Optimisation,
@@ -163,9 +162,9 @@ def cycle(step: int, steps: int) -> float:
 def split_episodes(
     episode_index: np.ndarray, share: float, rng: np.random.Generator
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Rows to train on and rows to hold out, both in order: a share [0, 1) of the episodes, at least one
-    where it is above 0, and never a part of one. ValueError where there are fewer than two episodes to
-    share out, or no rows.
+    """Rows of `episode_index`, int [N], to train on and rows to hold out, both in order: a share [0, 1) of
+    the episodes, at least one where it is above 0, and never a part of one. ValueError where there are
+    fewer than two episodes to share out, or no rows.
     """
     episodes = np.unique(episode_index)
     if len(episodes) < (2 if share else 1):

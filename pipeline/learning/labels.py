@@ -70,7 +70,8 @@ def label_horizon(
     horizon_frames: int,
     mode: Literal["last", "max"],
 ) -> np.ndarray:
-    """The deviation that labels each frame when unsafety is to be foreseen, [N].
+    """The deviation that labels each frame when unsafety is to be foreseen, [N], of `deviation` [N] in the
+    episodes `episode_index` int [N]; with a horizon of 0 it is the same.
 
     `last` is the deviation `horizon_frames` later, `max` the largest from the frame itself until
     then. The future ends with the episode: beyond it, its last frame stands for what would follow.

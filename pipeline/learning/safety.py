@@ -75,8 +75,8 @@ def judge(primary: Actor, dataset: Dataset, *, rule: LabelRule) -> Judged:
 
 
 def held_out_episodes(judged: Judged, share: float, rng: np.random.Generator) -> NDArray[np.bool_]:
-    """[N] true for the frames of a random `share` of the episodes; ValueError where that leaves none on
-    either side.
+    """[N] true for the frames of a random `share` of the episodes; ValueError where one side would be
+    left without any.
     """
     episodes = np.unique(judged.episode_index)
     count = round(share * len(episodes))

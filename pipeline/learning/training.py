@@ -99,15 +99,7 @@ def train_primary(
         return {f"validation_{name}": value / len(held_out) for name, value in sums.items()}
 
     with computing(settings.threads):
-        metrics = fit(
-            network,
-            rows,
-            loss_of=loss_of,
-            validate=validate,
-            settings=settings,
-            generator=generator,
-            on_epoch=on_epoch,
-        )
+        metrics = fit(network, rows, loss_of, validate, settings, generator, on_epoch)
     return network.cpu(), metrics
 
 
@@ -133,6 +125,8 @@ def train_safety(
         deviation: float [N], no NaN: how far the primary is from the reference, see Eq. 2.
         episode_index: int [N]; frames of the same one are held out together.
         weight: float [N], above 0, for how many frames each counts; 1 for each where None.
+        device: that computes.
+        on_epoch: see `fitting.OnEpoch`.
 
     Returns:
         The network in evaluation mode, on the CPU, and metrics: "epoch", "samples", "loss" (of
@@ -172,15 +166,7 @@ def train_safety(
         return {"validation_loss": total / len(held_out)}
 
     with computing(settings.threads):
-        metrics = fit(
-            network,
-            rows,
-            loss_of=loss_of,
-            validate=validate,
-            settings=settings,
-            generator=generator,
-            on_epoch=on_epoch,
-        )
+        metrics = fit(network, rows, loss_of, validate, settings, generator, on_epoch)
     return network.cpu(), metrics
 
 

@@ -31,9 +31,10 @@ SMALLEST = 1e-3  # of a standard deviation: what never moves is not made large
 class ConvActor(ConvNetwork):
     """The paper's five convolutions, and two layers from there and the state to the action.
 
-    It has `seen` the column of one camera, and `STATE` if there is one. `hidden` is the width of the
-    layer before the action; `generator` draws the initial weights, PyTorch's global one where None.
-    ValueError where a width is not positive.
+    `seen` are the column of one camera, and `STATE` if there is one; `action` is what it does.
+    `channels`, c, is the width of Conv1 to Conv4, `hidden` that of the layer before the action;
+    `generator` draws the initial weights, PyTorch's global one where None. ValueError where a width
+    is not positive.
     """
 
     state_mean: Tensor

@@ -25,7 +25,8 @@ _PROPOSED = 32
 
 class Driver:
     """A primary policy and, where there is one, its safety policy, ready to drive one robot; ValueError where
-    they do not fit each other, or a chunk is shorter than `hold`.
+    their sizes do not fit, or a chunk is shorter than `hold`. Whether the safety policy was trained on
+    this very primary, `load` checks.
 
     It can be pickled. The networks are copies: training the originals further changes nothing here.
     They compute on the primary's device; what comes and goes is in the processor's memory.
@@ -110,13 +111,11 @@ class Driver:
                 looked, planned = self.primary.plan(batch, self.hold)
                 self._planned.extend(planned[0])
             action = self._planned.popleft()
-            return action.cpu().numpy(), self._signals(self.primary.doing(looked, action[None]))
-
-    def _signals(self, looked: Tensor) -> dict[str, float]:
-        """What the safety policy says of what the primary looked at (Eq. 2)."""
-        if self.safety is None:
-            return {}
-        return {"safe_probability": float(self.safety(looked).softmax(1)[0, 1])}
+            signals = {}
+            if self.safety is not None:
+                safe = self.safety(self.primary.doing(looked, action[None])).softmax(1)[0, 1]
+                signals["safe_probability"] = float(safe)
+            return action.cpu().numpy(), signals
 
 
 def propose(

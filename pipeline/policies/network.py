@@ -61,8 +61,9 @@ class Actor(nn.Module):
 
 
 class ConvNetwork(Actor):
-    """Five convolutions on the image of one camera, of `image_shape` [H, W, channels]; a subclass adds
-    what turns them into actions. ValueError unless `channels`, c, is positive.
+    """Five convolutions on the image of one camera, of `image_shape` [H, W, colours]; a subclass adds
+    what turns them into actions. `channels`, c, is the width of Conv1 to Conv4; ValueError unless it
+    is positive.
     """
 
     camera: str
@@ -78,7 +79,8 @@ class ConvNetwork(Actor):
         self.conv3 = convolution(channels, channels, 3)
         self.conv4 = convolution(channels, channels, 3)
         self.conv5 = convolution(channels, 2 * channels, 5)
-        self.feature_size = feature_size(image_shape, channels)
+        height, width, _ = image_shape  # after four poolings by 2
+        self.feature_size = 2 * channels * (height // 16) * (width // 16)
 
     def convolutions(self) -> tuple[nn.Conv2d, ...]:
         """Conv1 to Conv5."""
@@ -160,12 +162,6 @@ def to_float(images: Tensor) -> Tensor:
     # A colour's numbers side by side: jitter and oneDNN take half the time.
     planes = torch.contiguous_format
     return images.permute(0, 3, 1, 2).to(torch.float32, memory_format=planes).div_(255)
-
-
-def feature_size(image_shape: tuple[int, int, int], channels: int) -> int:
-    """Numbers in Conv5's activations of one image, after four poolings by 2."""
-    height, width, _ = image_shape
-    return 2 * channels * (height // 16) * (width // 16)
 
 
 def has_bfloat16(device: torch.device) -> bool:

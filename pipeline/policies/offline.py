@@ -12,16 +12,10 @@ from lerobot.configs import PreTrainedConfig
 from lerobot.configs.types import PolicyFeature
 from lerobot.optim import AdamWConfig
 from lerobot.policies.pretrained import PreTrainedPolicy
-from lerobot.processor import PolicyProcessorPipeline
 from lerobot.processor.factory import make_default_pre_post_processors
 from torch import Tensor, nn
 
 from pipeline.policies.loading import CONFIG_FILE, load_weights, read_config
-
-Processors = tuple[
-    PolicyProcessorPipeline[dict[str, Any], dict[str, Any]],
-    PolicyProcessorPipeline[Tensor, Tensor],
-]
 
 
 @dataclass

@@ -27,6 +27,11 @@ TITLES = {
     "calibration": "How probable the safety policies call unsafe, and how often it is",
 }
 """Of each figure over the iterations, by its name."""
+JUDGED_ON = {
+    HELD_OUT: "held out of D_safe, which the reference drove",
+    ROLLOUT: "the next rollout, which it decided about",
+}
+"""What a safety policy was judged on, in words."""
 
 
 def over_the_iterations(experiment: Experiment) -> dict[str, Figure]:
@@ -103,36 +108,6 @@ def optimal(experiment: Experiment) -> Figure | None:
     return draw(experiment, panels, columns=2)
 
 
-def _has_optimal(experiment: Experiment, run: str) -> bool:
-    """In its loop: iteration 0 may be another run's too."""
-    return bool((experiment.among(run=run, strategy=Strategy.OPTIMAL).iteration > 0).any())
-
-
-def _panels(
-    experiment: Experiment,
-    runs: Sequence[str],
-    strategy: Strategy,
-    metric: str,
-    place: str = "iteration",
-) -> list[Panel]:
-    """In each condition, with a line for each run."""
-    return [
-        Panel(
-            f"{strategy}, {label(where)}",
-            metric,
-            [Line(run, strategy, where, key=run) for run in runs],
-            place,
-        )
-        for where in experiment.conditions
-    ]
-
-
-JUDGED_ON = {
-    HELD_OUT: "held out of D_safe, which the reference drove",
-    ROLLOUT: "the next rollout, which it decided about",
-}
-
-
 def calibration(experiment: Experiment) -> Figure | None:
     """SafeDAgger's, a line for each iteration, over the frames of all seeds; None where it was not
     measured.
@@ -162,3 +137,27 @@ def pooled(measured: Iterable[Sequence[Sequence[float]]]) -> list[list[float]]:
         many = sum(frames for *_, frames in bins)
         found.append([sum(each[of] * each[2] for each in bins) / many for of in (0, 1)] + [many])
     return found
+
+
+def _has_optimal(experiment: Experiment, run: str) -> bool:
+    """In its loop: iteration 0 may be another run's too."""
+    return bool((experiment.among(run=run, strategy=Strategy.OPTIMAL).iteration > 0).any())
+
+
+def _panels(
+    experiment: Experiment,
+    runs: Sequence[str],
+    strategy: Strategy,
+    metric: str,
+    place: str = "iteration",
+) -> list[Panel]:
+    """In each condition, with a line for each run."""
+    return [
+        Panel(
+            f"{strategy}, {label(where)}",
+            metric,
+            [Line(run, strategy, where, key=run) for run in runs],
+            place,
+        )
+        for where in experiment.conditions
+    ]

@@ -17,7 +17,7 @@ def gaps(material: Material, pictures: Mapping[str, Mapping[int, str]]) -> list[
     seed to place.
     """
     experiment, curves = material.experiment, material.curves
-    curves_lack = _missing_iterations(curves, [*curves.specs])
+    lacking = _missing_iterations(curves, [*curves.specs])
     return [
         *(
             _without_results(experiment, run)
@@ -34,7 +34,7 @@ def gaps(material: Material, pictures: Mapping[str, Mapping[int, str]]) -> list[
             for seed in experiment.seeds
             if seed not in places
         ),
-        *(f"Label curves: {each}" for each in (*curves.left_out, *curves_lack)),
+        *(f"Label curves: {each}" for each in (*curves.left_out, *lacking)),
     ]
 
 

@@ -50,7 +50,7 @@ def _panel(axes: Axes, curves: Experiment, best: str, where: str) -> None:
             shift = APART * (number - (len(ways) - 1) / 2)
             x, drawn = [x for x, _ in points], [one for _, one in points]
             style = look(spec.colour, spec.marker, where)
-            draw_estimates(axes, x, drawn, name, style, (shift, 0.0))
+            draw_estimates(axes, x, drawn, name, style, shift)
             ends += [(x, one.value, name, spec.colour) for x, one in points[-1:]]
         else:
             for _, one in points:

@@ -49,11 +49,11 @@ def draw_estimates(
     found: Sequence[Estimate | None],
     name: str,
     style: Mapping[str, Any],
-    aside: tuple[float, float],
+    shift: float,
     line_aside: tuple[float, float] | None = None,
 ) -> None:
-    """Intervals, and a line through their values, gaps where there are none: moved `aside` [points], the
-    line otherwise if so told.
+    """Intervals at `x`, and a line called `name` through their values, gaps where there are none; moved
+    by `shift` [points] to the right, the line otherwise if so told. For `style` see `look`.
     """
     value, low, high = (
         [getattr(one, end) if one else np.nan for one in found] for end in ("value", "low", "high")
@@ -61,8 +61,8 @@ def draw_estimates(
     (line,) = axes.plot(x, value, label=name, clip_on=False, zorder=3, **style)
     bars = axes.vlines(x, low, high, style["color"], linewidth=0.9, clip_on=False)
     # only now: the limits of the axes are those of the data
+    aside, figure = (shift, 0.0), axes.get_figure(root=True)
     for artist, moved in ((bars, aside), (line, line_aside or aside)):
-        figure = axes.get_figure(root=True)
         artist.set_transform(offset_copy(axes.transData, figure, *moved, units="points"))
 
 

@@ -146,7 +146,7 @@ def _draw(
     name, colour, marker = of_key(experiment, line.key)
     style = look(colour, marker, line.condition)
     line_aside = (0.0, -LESS * shift) if is_cost else None
-    draw_estimates(axes, x, found, name, style, (shift, 0.0), line_aside)
+    draw_estimates(axes, x, found, name, style, shift, line_aside)
 
 
 def _end(line: Line2D, panel: Panel, most: float) -> tuple[float, float, str, str]:

@@ -64,8 +64,9 @@ def drive(
         driver: the policies; None where only the reference drives. It is reset when the drive begins,
             and after each frame in which the reference drove: what it planned before is of no use.
         rule: who drives; `rng` is its own.
-        can_look_up: whether the reference may be asked for nothing, to measure.
-        measure: whether it is, too, where it is not asked.
+        can_look_up: whether the reference may be looked up, which costs nothing; where not, a rule
+            that looks up sees NaN.
+        measure: whether it is looked up in every frame about which it is not asked.
     """
     rule.begin(rng)
     if driver is not None:

@@ -1,3 +1,1 @@
-"""Who drives, and who is asked: a rule a file. One of your own is a subclass of `Rule`. ValueError where a
-number of one is out of its range.
-"""
+"""Who drives, and who is asked: a rule a file. One of your own is a subclass of `Rule`."""

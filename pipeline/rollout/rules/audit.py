@@ -13,7 +13,7 @@ class Audit(Rule):
     """Another rule, with a query for a random share of the frames that it asks nothing about.
 
     Whatever a safety policy says: only so is it known, where the reference is a person, what it
-    misses. Who drives does not change.
+    misses. Who drives does not change. ValueError where the share is out of its range.
     """
 
     rule: Rule

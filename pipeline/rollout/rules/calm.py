@@ -13,7 +13,7 @@ class Calm(Rule):
     """Another rule, but that the reference, once it drives, hands back later.
 
     That is when the other rule lets the primary drive, the safe probability is at least `resume`, and
-    the reference has driven for `least` frames.
+    the reference has driven for `least` frames. ValueError where a number is out of its range.
     """
 
     rule: Rule

@@ -10,7 +10,9 @@ from pipeline.rollout.rules.rule import DROVE, Decision, Rule, Signals, check_nu
 
 @dataclass
 class Mixture(Rule):
-    """The reference drives a frame with probability beta, else the primary; it is asked anyway."""
+    """The reference drives a frame with probability beta, else the primary; it is asked anyway.
+    ValueError where beta is out of its range.
+    """
 
     name = "mixture"
 

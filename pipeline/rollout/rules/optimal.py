@@ -10,7 +10,9 @@ from pipeline.rollout.rules.rule import DROVE, NOT_ASKED, Decision, Rule, Signal
 
 @dataclass(frozen=True)
 class Optimal(Rule):
-    """The reference drives where the primary deviates from it by more than tau."""
+    """The reference drives where the primary deviates from it by more than tau; ValueError where that
+    is out of its range.
+    """
 
     name = "optimal"
     looks_up = True

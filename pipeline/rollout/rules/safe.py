@@ -10,7 +10,9 @@ from pipeline.rollout.rules.rule import DROVE, NOT_ASKED, Decision, Rule, Signal
 
 @dataclass(frozen=True)
 class Safe(Rule):
-    """The reference drives where the safe probability is not at least the cut."""
+    """The reference drives where the safe probability is not at least the cut; ValueError where that is
+    out of its range.
+    """
 
     name = "safe"
 
