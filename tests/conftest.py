@@ -33,6 +33,7 @@ def refused(
         code, error = run(command), capsys.readouterr().err
         assert (code, error.count("\n")) == (2, 1)
         assert (sorted(folder.rglob("*")), tree(folder)) == before
+        assert error.startswith("safedagger: ")
         return error.removeprefix("safedagger: ")
 
     return type_

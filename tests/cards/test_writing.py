@@ -62,7 +62,7 @@ def test_bad_input_is_one_line_and_leaves_nothing(
 ) -> None:
     """Of a file that is lost, or has another content, be it in one place."""
     path = house / file
-    (house / "cards").mkdir()
+    path.parent.mkdir(exist_ok=True)
     if content is None:
         path.unlink()
     else:
@@ -71,8 +71,7 @@ def test_bad_input_is_one_line_and_leaves_nothing(
     assert named in refused(f"{CARDS} {PLACES.format('')} {OUTPUTS.format('cards')}", house)
 
 
-def test_a_missing_folder_is_named(tmp_path: Path, refused: Callable[..., str]) -> None:
-    (tmp_path / "cards").mkdir()
+def test_a_missing_folder_is_named(refused: Callable[..., str]) -> None:
     error = refused(f"{CARDS} {PLACES.format('')} {OUTPUTS.format('cards')}")
     assert error == "datasets: there is no such folder\n"
 
@@ -80,7 +79,6 @@ def test_a_missing_folder_is_named(tmp_path: Path, refused: Callable[..., str]) 
 def test_an_empty_folder_is_refused(house: Path, refused: Callable[..., str]) -> None:
     for path in (house / "models").iterdir():
         path.rename(house / path.name)
-    (house / "cards").mkdir()
     error = refused(f"{CARDS} {PLACES.format('')} {OUTPUTS.format('cards')}", house)
     assert "no policy in this folder, expected at least one" in error
 

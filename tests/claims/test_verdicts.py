@@ -47,6 +47,7 @@ def judged(name: str, made_up: Experiment) -> Verdict:
 def test_every_claim_can_hold() -> None:
     found = verdicts(experiment(GOOD))[: len(NAMES)]
     assert [each.claim for each in found] == [NAMED[name].words for name in NAMES]
+    assert len({each.claim for each in found}) == len(NAMES)
     assert {each.verdict for each in found} == {"holds"}
 
 

@@ -31,6 +31,9 @@ def test_what_older_metrics_lack_is_none(tmp_path: Path) -> None:
     path = changed(write_run(tmp_path) / "safety_0.json", *lost)
     (found,) = read_json(path, Rows[Quality]).rows
     assert (found.average_precision, found.calibration_error, found.calibration) == (None, None, [])
+    path = changed(write_run(tmp_path) / "ledger_D_0.json", "calls", "failures")
+    (ledger,) = read_json(path, Rows[Ledger]).rows
+    assert (ledger.calls, ledger.failures) == (None, None)
 
 
 def test_errors_that_were_judged_without_a_share(tmp_path: Path) -> None:

@@ -15,10 +15,10 @@ from pipeline.evaluation.drives import among, table
 from pipeline.evaluation.summary import headline, measure
 from pipeline.evaluation.writing import write_metrics, write_rows
 from pipeline.metric import QUALITY
-from tests.evaluation.made_up import GROWING, drives, outcome
+from tests.evaluation.made_up import SLOW, drives, outcome
 from tests.evaluation.written import quality
 
-DRIVES = drives(GROWING[1], starts=2)
+DRIVES = drives(SLOW[1], starts=2)
 
 
 def measured(*rows: dict[str, Any]) -> dict[str, Any]:
@@ -90,7 +90,7 @@ def test_the_order_of_the_drives_does_not_matter(seed: int) -> None:
     assert measure(shuffled, METRICS) == measure(DRIVES, METRICS)
 
 
-def test_dvc_shows_few_numbers_of_each_policy(tmp_path: Path) -> None:
+def test_dvc_shows_few_numbers_of_each_policy() -> None:
     found = headline(DRIVES, METRICS)
     assert {name: set(metrics) for name, metrics in found.items()} == {
         "naive": {"laps", "success", "failures"},

@@ -35,7 +35,7 @@ def quality(auroc: float) -> dict[str, Any]:
 
 def write(made_up: Experiment, metrics: Path) -> Path:
     """Every file that the report reads of each seed; safety policies, of which a made-up experiment
-    knows nothing, are equally good, in rollouts the worse the later. Gives the last seed's folder.
+    knows nothing, are the worse the later. Gives the last seed's folder.
     """
     for seed in made_up.seeds:
         folder, one = metrics / f"seed_{seed}", made_up.of_seeds(seed)
@@ -45,7 +45,7 @@ def write(made_up: Experiment, metrics: Path) -> Path:
             first = driven[driven.run == driven.run.iloc[0]]  # of those that share iteration 0
             write_drives(folder / f"drives_{step}.csv", first.drop(columns=[*STEP, "task.laps"]))
             write_metrics(folder / f"driving_{step}.json", {"rows": CONDITIONS})
-            write_rows(folder / f"safety_{step}.json", quality(0.9), QUALITY)
+            write_rows(folder / f"safety_{step}.json", quality(0.9 - iteration / 50), QUALITY)
             if made_up.specs[first.run.iloc[0]].is_watched and iteration:
                 rollout = quality(0.8 - iteration / 50)
                 write_rows(folder / f"rollout_{step}.json", rollout, QUALITY)

@@ -1,5 +1,7 @@
 """Settings out of range are refused by name."""
 
+from itertools import product
+
 import pytest
 
 from pipeline.learning.settings import Optimisation, SafetySettings
@@ -37,11 +39,16 @@ def test_the_papers_training_can_be_asked_for():
     ],
 )
 def test_a_field_out_of_range_is_named(field, values):
-    """Of a safety policy's training, which has those of both."""
-    for value in values:
-        with pytest.raises(ValueError, match=f"^{field} is {value!r}, expected") as caught:
-            SafetySettings(**{field: value})
+    """Of either training that has it."""
+    allowed = r"(a number (at least|above) -?\d|'\w+' or '\w+')"
+    kinds = [kind for kind in (Optimisation, SafetySettings) if hasattr(kind, field)]
+    for kind, value in product(kinds, values):
+        with pytest.raises(
+            ValueError, match=f"^{field} is {value!r}, expected {allowed}"
+        ) as caught:
+            kind(**{field: value})
         assert "\n" not in str(caught.value)
+    assert SafetySettings in kinds
 
 
 def test_sgd_needs_frames_to_validate_on():

@@ -133,7 +133,7 @@ def test_the_safety_policies_on_held_out_frames_and_in_the_next_rollout() -> Non
     held_out |= {"share_predicted_unsafe": 0.3, "tau": lambda of: 0.0025 * (1 + of.iteration)}
     rollout = {"auroc": 0.7, "recall": 0.4, "precision": lambda of: of.seed.map({0: 0.5})}
     rollout |= {"share_unsafe": 0.25, "share_predicted_unsafe": 0.35}
-    made_up = experiment({run: GOOD[run] for run in VARIANTS}, seeds=2, starts=1)
+    made_up = experiment({run: GOOD[run] for run in ("dagger", *VARIANTS)}, seeds=2, starts=1)
     made_up = judged(judged(made_up, HELD_OUT, held_out), ROLLOUT, rollout)
     last = (made_up.quality.judged_on == ROLLOUT) & (made_up.quality.iteration == 3)
     found = rows(report(replace(made_up, quality=made_up.quality[~last])), "AUROC")

@@ -3,32 +3,24 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-import torch
 
-from pipeline.driving.network import PrimaryNetwork
-from pipeline.policies.network import SafetyNetwork
-from pipeline.policies.safety import SafetyConfig, SafetyPolicy
 from pipeline.rollout.judgement import Judgement, rule_of
 from pipeline.rollout.rules.calm import Calm
 from pipeline.rollout.rules.naive import Naive
 from pipeline.rollout.rules.reference import Reference
 from pipeline.rollout.rules.safe import Safe
 from pipeline.rollout.strategies import DRIVING, Strategy
+from tests.drives import save_untrained
 
 
 @pytest.mark.parametrize(("measure", "more"), [("steering", 0), ("steering-and-brake", 1)])
 def test_it_goes_by_the_labels_and_the_cut_of_the_safety_policy(
     measure: str, more: int, tmp_path: Path
 ) -> None:
-    network = SafetyNetwork(
-        PrimaryNetwork(4).feature_size, 8, generator=torch.Generator().manual_seed(1)
-    )
-    config = SafetyConfig(
-        features=network.in_features, hidden=8, tau=0.01, cut=0.4, measure=measure
-    )
-    SafetyPolicy(config, network).save_pretrained(tmp_path)
-    assert Judgement.read(tmp_path) == Judgement(0.4, 0.01, measure)
-    judgement = Judgement.read(tmp_path, 0.3)
+    safety = tmp_path / "safety"
+    save_untrained(tmp_path / "primary", safety, tau=0.01, cut=0.4, measure=measure)
+    assert Judgement.read(safety) == Judgement(0.4, 0.01, measure)
+    judgement = Judgement.read(safety, 0.3)
     assert rule_of(Strategy.SAFE, judgement) == Calm(Safe(0.3), 0.3, 0)
     assert rule_of(Strategy.SAFE, judgement, resume=0.7, least=9) == Calm(Safe(0.3), 0.7, 9)
     with pytest.raises(ValueError, match=r"resume is 0.2, expected at least the cut, 0.3"):
@@ -40,11 +32,11 @@ def test_it_goes_by_the_labels_and_the_cut_of_the_safety_policy(
     assert optimal.deviation(*actions) == expected == judgement.deviation(*actions)
     with pytest.raises(ValueError, match=r"config.json: No such file"):
         Judgement.read(tmp_path / "missing")
-    config = json.loads((tmp_path / "config.json").read_text())
+    config = json.loads((safety / "config.json").read_text())
     del config["half_range"]
-    (tmp_path / "config.json").write_text(json.dumps(config))
+    (safety / "config.json").write_text(json.dumps(config))
     with pytest.raises(ValueError, match=r"config.json: half_range is missing, expected"):
-        Judgement.read(tmp_path)
+        Judgement.read(safety)
 
 
 def test_each_driving_strategy_has_its_rule() -> None:
