@@ -20,6 +20,7 @@ HEAD = """\
 
 Written by `make bench` on {day}, on {machine}. Ours and its floor are
 measured in turns, in one run: on another machine, or beside other work, the ratios are what holds.
+A row that begins with *of* says what another is made of: its floor is the whole, its ratio the share.
 """
 
 

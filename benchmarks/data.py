@@ -15,7 +15,7 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 import torch
 
-from benchmarks.timing import Row, paired, table
+from benchmarks.timing import Row, paired, shares, table
 from pipeline.data.dataset import Dataset
 from pipeline.data.images import read_all
 from pipeline.data.lineage import Recipe
@@ -36,6 +36,14 @@ DRIVES = 5  # of 200 frames
 COPIES = 4
 ASKED = 0.4  # share of the frames, in runs of 6 on average
 BATCH = 32
+SELECT = {
+    "pipeline/data/pieces.py:stored_rows": "reading rows",
+    "pipeline/data/content.py:add": "their hash",
+    "pipeline/data/blocks.py:_write_rows": "writing them, in row groups of 32 or more",
+    "pipeline/data/blocks.py:_write_metadata": "statistics, and what LeRobot keeps of each episode",
+    "pipeline/data/dataset.py:open": "checking what was written",
+}
+"""What a filter of rows has none of, but for reading and writing."""
 
 
 def rows() -> Iterator[Row]:
@@ -54,6 +62,8 @@ def rows() -> Iterator[Row]:
         select(rollout, root / "new")
         new = Dataset.open(root / "new")
         yield from _moving(d_0, rollout, new, root)
+        again = _anew(root / "out", lambda path: select(rollout, path))
+        yield from shares("of a select", again, SELECT)
         yield _tensors(rollout, root)
         merge([d_0, new], root / "D_1")
         yield from _starts(root)

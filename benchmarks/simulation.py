@@ -16,7 +16,7 @@ import numpy as np
 import torch
 from gymnasium import Env
 
-from benchmarks.timing import Row, paired, seconds, table
+from benchmarks.timing import Row, paired, seconds, shares, table
 from pipeline.driving import camera
 from pipeline.driving.cars import Cars, move
 from pipeline.driving.environment import DrivingEnv
@@ -37,12 +37,22 @@ TRACK = "spruce"
 SECONDS = 10.0  # of a drive
 STEPS = 60  # of a control step each, two seconds
 DRIVES = 6  # spread over workers
+DRIVE = {
+    "pipeline/driving/world.py:image": "placing the cars, and the camera",
+    "pipeline/policies/inference.py:act": "the networks",
+    "pipeline/driving/reference.py:reference_actions": "the reference, of all cars in each step",
+    "pipeline/driving/world.py:step": "moving them, and who touches whom",
+    "pipeline/driving/world.py:affordances": "affordances",
+}
+"""What a drive does in each frame."""
 
 
 def rows() -> Iterator[Row]:
     """All rows."""
     yield closed_loop(12, CHANNELS // 2, "12 cars, half the paper's network")
     yield closed_loop(40, CHANNELS, "40 cars, the paper's network")
+    drive = partial(evaluate, _trial(40), _driver(CHANNELS))
+    yield from shares("of the second", drive, DRIVE)
     for traffic in (12, 40):
         yield traffic_step(traffic)
     yield new_drive()

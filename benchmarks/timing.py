@@ -1,7 +1,9 @@
 """Ours and its floor, measured in turns: on a shared machine only their ratio says something."""
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from cProfile import Profile
 from dataclasses import dataclass
+from pstats import Stats
 from statistics import median
 from time import perf_counter
 from typing import Self
@@ -46,6 +48,23 @@ def paired(
         median(least for _, least in turns),
         median(own / least for own, least in turns),
     )
+
+
+def shares(what: str, run: Callable[[], object], parts: Mapping[str, str]) -> Iterator[Row]:
+    """What a run spends its time on, by cProfile, which slows many short calls more than few long ones.
+
+    Args:
+        parts: what to say of a function, such as "pipeline/driving/camera.py:render", by that; none
+            of them calls another.
+    """
+    profile = Profile()
+    profile.runcall(run)
+    spent = Stats(profile)
+    took = {f"{file}:{name}": row[3] for (file, _, name), row in spent.stats.items()}  # type: ignore[attr-defined]
+    whole = spent.total_tt  # type: ignore[attr-defined]
+    for function, told in parts.items():
+        (own,) = (time for place, time in took.items() if place.endswith(function))
+        yield Row(f"{what}: {told}", own, whole, "s", own / whole)
 
 
 def seconds(run: Callable[[], object]) -> float:
