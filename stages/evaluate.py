@@ -68,8 +68,10 @@ def evaluate(
         processor=processor(),
     )
     write_drives(drives, driven)
+    by_hand = {"cut": cut, "resume": resume, "least": least, "hold": hold}
+    chosen = {name: value for name, value in by_hand.items() if value is not None}
     settings = [
-        {"condition": condition, "name": task.name, **asdict(there)}
+        {"condition": condition, "name": task.name, **asdict(there), **chosen}
         for condition, there in task.conditions.items()
     ]
     write_metrics(metrics, {**headline(driven, task.metrics), "rows": settings})

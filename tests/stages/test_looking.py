@@ -1,5 +1,6 @@
 """The commands that show something, each into a file."""
 
+import json
 from collections.abc import Callable
 from pathlib import Path
 
@@ -117,6 +118,17 @@ def test_driving_naively_needs_no_safety_policy(
         assert ", 0 of them by the reference; ended: out of time 2\n" in capsys.readouterr().out
         shown[name] = [path.read_bytes() for path in (film, drives, metrics)]
     assert shown["with"] == shown["without"]
+
+
+def test_an_evaluation_says_what_was_set_by_hand(tmp_path: Path) -> None:
+    for name, calm in (("paper", ""), ("calm", "--cut 0.4 --resume 0.7 --least 1")):
+        places = f"--drives {tmp_path}/{name}.csv --metrics {tmp_path}/{name}.json"
+        typed = f"evaluate primary safety {EVALUATE} --strategies safe {calm} {places}"
+        assert run(typed) == 0
+    paper, other = (
+        json.loads((tmp_path / f"{name}.json").read_text())["rows"] for name in ("paper", "calm")
+    )
+    assert other == [row | {"cut": 0.4, "resume": 0.7, "least": 1.0} for row in paper]
 
 
 def test_a_film_of_two_is_as_wide_as_both(
