@@ -6,6 +6,7 @@ from itertools import product
 import pandas as pd
 
 from pipeline.claims.verdicts import claims
+from pipeline.evaluation.curves import last
 from pipeline.evaluation.experiment import Experiment
 from pipeline.evaluation.wording import in_condition
 from pipeline.report.material import Material
@@ -17,7 +18,8 @@ def gaps(material: Material, pictures: Mapping[str, Mapping[int, str]]) -> list[
     seed to place.
     """
     experiment, curves = material.experiment, material.curves
-    lacking = _missing_iterations(curves, [*curves.specs])
+    wanted = {run: range(len(experiment.specs[run].iterations) + 1) for run in experiment.runs}
+    ends = {run: (0, last(curves, run)) for run in curves.specs}
     return [
         *(
             _without_results(experiment, run)
@@ -25,7 +27,7 @@ def gaps(material: Material, pictures: Mapping[str, Mapping[int, str]]) -> list[
             if run not in experiment.runs
         ),
         *experiment.left_out,
-        *_missing_iterations(experiment, experiment.runs),
+        *_missing_iterations(experiment, wanted),
         *_missing_drives(experiment),
         *_beside_the_loops(material),
         *(
@@ -34,7 +36,10 @@ def gaps(material: Material, pictures: Mapping[str, Mapping[int, str]]) -> list[
             for seed in experiment.seeds
             if seed not in places
         ),
-        *(f"Label curves: {each}" for each in (*curves.left_out, *lacking)),
+        *(
+            f"Label curves: {each}"
+            for each in (*curves.left_out, *_missing_iterations(curves, ends))
+        ),
     ]
 
 
@@ -45,9 +50,10 @@ def _without_results(experiment: Experiment, run: str) -> str:
     return f"{experiment.title(run)}: no results{verdicts}."
 
 
-def _missing_iterations(experiment: Experiment, runs: Sequence[str]) -> Iterator[str]:
-    for seed, run in product(experiment.seeds, runs):
-        whole = range(len(experiment.specs[run].iterations) + 1)
+def _missing_iterations(
+    experiment: Experiment, wanted: Mapping[str, Sequence[int]]
+) -> Iterator[str]:
+    for seed, (run, whole) in product(experiment.seeds, wanted.items()):
         there = set(experiment.among(seed=seed, run=run).iteration)
         absent = [str(i) for i in whole if i not in there]
         if len(absent) == len(whole):
