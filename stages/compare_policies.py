@@ -37,22 +37,23 @@ def compare_policies(
     from pipeline.rollout.strategies import parse_driving
 
     how, computes = parse_driving(strategy), find_device(device)
-    policies = ((primary_a, safety_a), (primary_b, safety_b))
-    judged = [Judgement.read(safety, cut) for _, safety in policies]
-    plans = [plan_to_draw(task, how, judgement, seed) for judgement in judged]
-    drivers = [Driver.load(*pair, device=computes) for pair in policies]
+    sides = []
+    for side, primary, safety in (("a", primary_a, safety_a), ("b", primary_b, safety_b)):
+        judgement = Judgement.read(safety, cut)
+        plan = plan_to_draw(task, how, judgement, seed)
+        driver = Driver.load(primary, safety, device=computes)
+        sides.append((f"{side}, {primary.name}", plan, driver, judgement))
     fps = task.fps
     with options.rerun_sink(save, web, port, pair_blueprint(fps)) as sink:
         drives, told = [], []
-        with options.progress("driving", len(plans)) as advance_to:
-            sides = zip("ab", (primary_a, primary_b), plans, drivers, judged, strict=True)
-            for before, (side, primary, plan, driver, judgement) in enumerate(sides):
+        with options.progress("driving", len(sides)) as advance_to:
+            for before, (name, plan, driver, judgement) in enumerate(sides):
                 frames = []
                 for footage, tally in watched(plan, driver, judgement):
                     frames.append(footage)
                     advance_to(before + tally.done)
                 drives.append((Footage.joined(frames), judgement))
-                told.append(f"{side}, {primary.name}: {tally}")
+                told.append(f"{name}: {tally}")
         typer.echo("\n".join(told))
         pair = Pair(
             f"{strategy}, {plan.description}, seed {seed}: a is {primary_a.name}, b is {primary_b.name}",

@@ -97,7 +97,7 @@ class Dataset:
         """
         return not any(name in self.features for name in CORE if name != "action")
 
-    @property
+    @cached_property
     def bounds(self) -> list[tuple[int, int]]:
         """Of each episode the first of its rows and the one after its last."""
         stops = np.cumsum(self.lengths)

@@ -16,9 +16,8 @@ def identities(dataset: Dataset) -> list[Identity]:
 
 def refuse_shared(*datasets: Dataset) -> None:
     """Raise a ValueError if a frame stands in two of the datasets."""
-    for first, second in combinations(datasets, 2):
-        shared = len(set(identities(first)) & set(identities(second)))
+    held = [(dataset.path, set(identities(dataset))) for dataset in datasets]
+    for (first, frames), (second, others) in combinations(held, 2):
+        shared = len(frames & others)
         if shared:
-            raise ValueError(
-                f"{second.path}: {shared} of its frames are in {first.path} too, expected none"
-            )
+            raise ValueError(f"{second}: {shared} of its frames are in {first} too, expected none")
