@@ -12,6 +12,9 @@ def contact_sheet(
     dataset: options.Dataset,
     output: Annotated[Path, typer.Argument(help="Where to draw it (PNG). It must not exist.")],
     frames: Annotated[int, typer.Option(min=1, help="How many of each; 10 in the paper.")],
+    camera: Annotated[
+        str | None, typer.Option(help="Which column of pictures; by default the first.")
+    ] = None,
 ) -> None:
     """Draw the safest and the least safe frames (PNG).
 
@@ -19,18 +22,17 @@ def contact_sheet(
     """
     from pipeline.data.dataset import Dataset
     from pipeline.data.images import read_some_images
-    from pipeline.driving.features import CAMERA, DRIVEN
     from pipeline.inspection.canvas import png
     from pipeline.inspection.contact_sheet import Shown, extreme_frames
     from pipeline.inspection.contact_sheet import contact_sheet as draw
     from pipeline.output import write_file
 
     rollout = Dataset.open(dataset)
-    rollout.require(DRIVEN)
     probability = rollout.column("safe_probability")
     chosen = extreme_frames(probability, rollout.episode_index, frames)
     rows = sorted({int(row) for part in chosen for row in part})
-    images = dict(zip(rows, read_some_images(rollout, CAMERA, rows), strict=True))
+    seen = camera or next(iter(rollout.cameras), "")
+    images = dict(zip(rows, read_some_images(rollout, seen, rows), strict=True))
     episode, starts = rollout.episode_index, [start for start, _ in rollout.bounds]
     safest, least_safe = (
         [

@@ -133,7 +133,8 @@ def read_episodes(
 
 def _shape(dataset: Dataset, camera: str) -> tuple[int, ...]:
     if camera not in dataset.cameras:
-        raise ValueError(f"{dataset.path}: has no camera {camera!r}")
+        known = ", ".join(dataset.cameras) or "none"
+        raise ValueError(f"{dataset.path}: has no camera {camera!r}, expected one of {known}")
     return tuple(dataset.features[camera]["shape"])
 
 

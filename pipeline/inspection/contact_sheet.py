@@ -20,7 +20,7 @@ class Shown:
     """A frame on the sheet."""
 
     image: NDArray[np.uint8]
-    """[72, 160, 3]"""
+    """[H, W, 3]"""
     safe_probability: float
     episode: int
     frame: int

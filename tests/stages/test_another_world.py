@@ -50,6 +50,7 @@ LOOP = (
     "errors primary_0 D_0 D_safe --tau 0.01 --measure mean-square --share 0.7 "
     "--figure errors.png --metrics errors.json",
     "inspect rollout_1 --save rollout_1.rrd",
+    "contact-sheet rollout_1 sheet_1.png --frames 3",
     f"rollout primary_1 safety_1 rollout_2 {DRIVEN} --iteration 2 --queries 40 --audit 1 "
     "--metrics rollout_2.json",
     "select rollout_2 audits_2 --because audit",
@@ -177,6 +178,11 @@ def test_the_second_primary_began_with_the_first(house: Path) -> None:
             "hold is 5, expected at most 1: the chunk of this primary",
         ),
         ("compare rollout_1 rollout_1", "'observation.images.front' is missing"),
+        (
+            "contact-sheet rollout_1 x.png --frames 1 --camera observation.images.wrist",
+            "rollout_1: has no camera 'observation.images.wrist', expected one of observation.image",
+        ),
+        ("contact-sheet D_0 x.png --frames 1", "0 frames have a safe probability, expected at"),
     ],
 )
 def test_what_does_not_fit_is_one_line_and_leaves_nothing(
