@@ -194,6 +194,20 @@ def test_an_edited_experiment_is_not_overwritten(checkout: Path) -> None:
     assert contents(checkout) == before
 
 
+@pytest.mark.parametrize("seed", [[], ["7"]])
+def test_a_study_without_policies_is_one_line_and_changes_nothing(
+    checkout: Path, seed: list[str]
+) -> None:
+    shutil.copy(ROOT / "scales/study", checkout / "scales/study")
+    before = contents(checkout)
+    done = subprocess.run([checkout / "scales/study", *seed], capture_output=True, text=True)
+    assert done.returncode == 2 and done.stdout == ""
+    (line,) = done.stderr.splitlines()
+    assert "has no models, expected those of make experiment SCALE=curves" in line
+    assert contents(checkout) == before
+    assert not (checkout / "experiments").exists() and not (checkout / "cards/study").exists()
+
+
 def test_what_is_per_seed_is_the_same_in_the_real_pipeline() -> None:
     def per_seed(pipeline: str) -> set[str]:
         return set(re.findall(r"cards/\w+/seed_\$\{seed\}(?:\.png)?", pipeline))
