@@ -1,0 +1,115 @@
+"""What docs/safety-policy.md says of three seeds is what `scales/study` has found, in cards/study."""
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+from statistics import mean
+from typing import Any
+
+import pytest
+
+ROOT = Path(__file__).parents[1]
+PAGE = (ROOT / "docs" / "safety-policy.md").read_text()
+SEEDS = sorted((ROOT / "cards" / "study").iterdir())
+PRIMARIES = ("pi_0", "pi_1")
+KINDS = {
+    "0_paper": "none, as the paper",
+    "0_size": "`--learns size --cut 0.7`",
+    "0_size_calibrated": "the same, `--calibration 0.2`",
+    "0_some": "`--audits`, 1,000",
+    "0_own": "`--audits`, 8,000",
+    "0_own_calibrated": "the same, `--calibration 0.2`",
+    "0_own_size": "`--audits`, 8,000, `--learns size --cut 0.7`",
+    "1_paper": "none, as the paper",
+    "1_size": "`--learns size --cut 0.7`",
+    "1_carried": "`--audits`, 8,000 of pi_0's rollout",
+    "1_own": "`--audits`, 8,000 of its own",
+}
+
+
+def _found(name: str) -> list[dict[str, Any]]:
+    return [json.loads((seed / f"{name}.json").read_text()) for seed in SEEDS]
+
+
+def _all(name: str, key: str) -> list[float]:
+    return [seed["rows"][0][key] for seed in _found(name)]
+
+
+def _share(numbers: list[float]) -> str:
+    return f"{100 * mean(numbers):.0f} %"
+
+
+def _mean(numbers: list[float]) -> str:
+    return f"{mean(numbers):.2f}"
+
+
+def _each(numbers: list[float]) -> str:
+    return ", ".join(f"{number:.2f}" for number in numbers)
+
+
+def _row(*cells: str) -> str:
+    return f"| {' | '.join(cells)} |"
+
+
+def _situations() -> list[str]:
+    rows = []
+    for number, row in enumerate(_found("0_paper")[0]["rows"]):
+        of = [[seed["rows"][number] for seed in _found(f"{i}_paper")] for i in (0, 1)]
+        whole = [[seed["rows"][0]["frames"] for seed in _found(f"{i}_paper")] for i in (0, 1)]
+
+        def both(key: str, told: Callable[[list[float]], str], of: Any = of) -> str:
+            return " / ".join(told([seed[key] for seed in seeds]) for seeds in of)
+
+        shares = (
+            [seed["frames"] / frames for seed, frames in zip(seeds, all_frames, strict=True)]
+            for seeds, all_frames in zip(of, whole, strict=True)
+        )
+        rows.append(
+            _row(
+                "all" if row["situation"] == "all" else f"`{row['situation']}`",
+                " / ".join(map(_share, shares)),
+                both("share_unsafe", _share),
+                *(_each([seed["auroc"] for seed in seeds]) for seeds in of),
+                both("calibration_error", _mean),
+            )
+        )
+    return rows
+
+
+def _bounds() -> list[str]:
+    errors = [bound["error"] for bound in _found("0_paper")[0]["bounds"]]
+    return [_row("error of the steering", *map(str, errors))] + [
+        _row(
+            name,
+            *(
+                _mean([seed["bounds"][number]["auroc"] for seed in _found(f"{i}_paper")])
+                for number in range(len(errors))
+            ),
+        )
+        for i, name in enumerate(PRIMARIES)
+    ]
+
+
+def _kinds() -> list[str]:
+    return [
+        _row(
+            words,
+            *(_share(_all(name, key)) for key in ("share_predicted_unsafe", "recall", "precision")),
+            _each(_all(name, "auroc")),
+            _mean(_all(name, "average_precision")),
+            _mean(_all(f"{name}_large", "auroc")),
+            _mean(_all(name, "calibration_error")),
+        )
+        for name, words in KINDS.items()
+    ]
+
+
+@pytest.mark.parametrize("row", [*_situations(), *_bounds(), *_kinds()])
+def test_the_page_has_what_was_measured(row: str) -> None:
+    assert row in PAGE
+
+
+def test_nothing_that_was_measured_is_left_out() -> None:
+    for seed in SEEDS:
+        files = {file.stem for file in seed.glob("[01]_*.json")}
+        assert files == {name + end for name in KINDS for end in ("", "_large")}
