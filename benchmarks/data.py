@@ -1,4 +1,6 @@
-"""The way of a frame through datasets, beside the least that each step of it could take:
+"""The way of a frame through datasets, beside the least that each step of it could take. A filter of
+rows hashes nothing, counts no statistics, tells LeRobot nothing of the episodes and checks nothing.
+
 python -m benchmarks.data
 """
 

@@ -1,4 +1,5 @@
-"""Simulation beside its floors: the closed loop, workers, traffic, a new drive, other simulators.
+"""Simulation beside its floors: the closed loop, workers, traffic, a new drive, other simulators. What
+the floor of the closed loop has none of is mostly the reference, which drives all other cars too.
 
 python -m benchmarks.simulation
 """
