@@ -1,16 +1,21 @@
-"""What docs/safety-policy.md says of three seeds is what `scales/study` has found, in cards/study."""
+"""What docs/safety-policy.md says of three seeds is what `scales/study` has found, in cards/study, and
+the label curves, in cards/curves.
+"""
 
+import csv
 import json
 from collections.abc import Callable
 from pathlib import Path
 from statistics import mean
 from typing import Any
 
+import numpy as np
 import pytest
 
 ROOT = Path(__file__).parents[1]
 PAGE = (ROOT / "docs" / "safety-policy.md").read_text()
-SEEDS = sorted((ROOT / "cards" / "study").iterdir())
+SEEDS = sorted((ROOT / "cards" / "study").glob("seed_*"))
+CURVES = sorted((ROOT / "cards" / "curves").glob("seed_*"))
 PRIMARIES = ("pi_0", "pi_1")
 KINDS = {
     "0_paper": "none, as the paper",
@@ -24,6 +29,13 @@ KINDS = {
     "1_size": "`--learns size --cut 0.7`",
     "1_carried": "`--audits`, 8,000 of pi_0's rollout",
     "1_own": "`--audits`, 8,000 of its own",
+}
+
+LOOPS = {
+    "audited2000": ("with audits", "unsafe, 0.5"),
+    "safedagger2000": ("as in the paper", "unsafe, 0.5"),
+    "sized2000": ("that learns how far", "size, 0.7"),
+    "seldom2000": ("that asks seldom", "unsafe, 0.3"),
 }
 
 
@@ -104,7 +116,36 @@ def _kinds() -> list[str]:
     ]
 
 
-@pytest.mark.parametrize("row", [*_situations(), *_bounds(), *_kinds()])
+def _of_loop(kind: str, run: str, key: str) -> list[list[float]]:
+    """By iteration, then by seed."""
+    files = [[seed / f"{kind}_{run}_{i}.json" for seed in CURVES] for i in (1, 2, 3)]
+    return [[json.loads(file.read_text())["rows"][0][key] for file in of] for of in files]
+
+
+def _loops() -> list[str]:
+    rows = []
+    for run, words in LOOPS.items():
+        shares = (
+            f"{', '.join(f'{100 * mean(of):.0f}' for of in _of_loop('rollout', run, key))} %"
+            for key in ("share_predicted_unsafe", "precision")
+        )
+        driven, calls, failures = (
+            np.sum(_of_loop("ledger_D", run, key), axis=0)
+            for key in ("frames_driven", "calls", "failures")
+        )
+        ends = [
+            drive["ended"] == "laps done" and not float(drive["touches"])
+            for seed in CURVES
+            for drive in csv.DictReader((seed / f"reliability_{run}_3.csv").open())
+        ]
+        success, broke = f"{100 * mean(ends):.1f} %", ", ".join(map(str, failures))
+        rows.append(
+            _row(*words, f"{driven.mean():,.0f}", *shares, f"{calls.mean():.0f}", success, broke)
+        )
+    return rows
+
+
+@pytest.mark.parametrize("row", [*_situations(), *_bounds(), *_kinds(), *_loops()])
 def test_the_page_has_what_was_measured(row: str) -> None:
     assert row in PAGE
 

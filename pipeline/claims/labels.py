@@ -61,10 +61,13 @@ def _claims(curves: Experiment, best: str) -> Iterator[tuple[str, str, str, Judg
         if cheap and specs[cheap[-1]].protocol == specs[best].protocol:
             words = "as reliable as {}, on at most half of its labels"
             yield words, cheap[-1], best, is_as_reliable
-    for run, other in product(runs, runs):
-        rivals = specs[run].strategy == "safedagger" and specs[other].strategy == "dagger"
-        if rivals and (labels[run], specs[run].protocol) == (labels[other], specs[other].protocol):
-            yield "more reliable than {}", run, other, rises
+    dagger = [run for run in runs if specs[run].strategy == "dagger"]
+    in_the_paper = next((each for each in ways if specs[each[0]].strategy == "safedagger"), [])
+    for rivals in (dagger, in_the_paper):
+        for run, other in product(runs, rivals):
+            alike = (labels[run], specs[run].protocol) == (labels[other], specs[other].protocol)
+            if specs[run].strategy == "safedagger" and alike and run != other:
+                yield "more reliable than {}", run, other, rises
     for idle in (run for run in runs if not specs[run].collects):
         for run in (family[-1] for family in ways if family[-1] != idle):
             yield "more reliable than {}", run, idle, rises

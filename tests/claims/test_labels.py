@@ -1,6 +1,7 @@
 """How many labels it takes: each answer can be yes, no and open, on made-up drives."""
 
 import math
+import re
 
 import pytest
 from hypothesis import given
@@ -83,15 +84,18 @@ def test_there_is_a_claim_for_each_budget_and_way_to_collect() -> None:
         return [SPECS[name].name for name in names]
 
     judged = answers(curves(dict.fromkeys(SPECS, 0.9)))
-    assert [each.verdict for each in judged] == ["holds"] * 5 + ["does not hold"] * 18
-    halves = named("safedagger2000", "dagger2000", "sized2000", "audited2000", "aside2000")
+    assert [each.verdict for each in judged] == ["holds"] * 6 + ["does not hold"] * 27
+    ways = "sized", "seldom", "audited", "aside"
+    halves = named("safedagger2000", "dagger2000", *(f"{way}2000" for way in ways))
     ours = "safedagger500", "safedagger1000", "safedagger2000", "safedagger1000_anywhere"
     theirs = "dagger500", "dagger1000", "dagger2000", "dagger1000_anywhere"
-    audited = "sized1000", "sized2000", "audited1000", "audited2000", "aside1000", "aside2000"
-    rivals = zip(named(*ours, *audited), named(*theirs, *theirs[1:3] * 3), strict=True)
-    most = ("safedagger2000", "dagger4000", "supervised2000", ours[3], theirs[3], *audited[1::2])
+    others = [name for way in ways for name in SPECS if name.startswith(way)]
+    equals = [re.sub("^[a-z]+", "dagger", name) for name in others]
+    rivals = zip(named(*ours, *others), named(*theirs, *equals), strict=True)
+    plain = zip(named(*others), named(*(f"safe{name}" for name in equals)), strict=True)
+    most = ("safedagger2000", "dagger4000", "supervised2000", ours[3], theirs[3])
     assert [each.claim for each in judged] == [
         *(HALF.format(run) for run in halves),
-        *(MORE.format(run, rival) for run, rival in rivals),
-        *(MORE.format(run, IDLE) for run in named(*most)),
+        *(MORE.format(run, rival) for run, rival in [*rivals, *plain]),
+        *(MORE.format(run, IDLE) for run in [*named(*most), *halves[2:]]),
     ]

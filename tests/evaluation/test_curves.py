@@ -79,6 +79,7 @@ def test_runs_of_one_way_to_collect_go_from_few_labels_to_many() -> None:
         "SafeDAgger, from anywhere": ["safedagger1000_anywhere"],
         "DAgger, from anywhere": ["dagger1000_anywhere"],
         "SafeDAgger that learns how far": ["sized1000", "sized2000"],
+        "SafeDAgger that asks seldom": ["seldom2000"],
         "SafeDAgger with audits": ["audited1000", "audited2000"],
         "SafeDAgger with audits for D_safe": ["aside1000", "aside2000"],
     }
