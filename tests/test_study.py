@@ -2,7 +2,6 @@
 the label curves, in cards/curves.
 """
 
-import csv
 import json
 from collections.abc import Callable
 from pathlib import Path
@@ -11,6 +10,10 @@ from typing import Any
 
 import numpy as np
 import pytest
+
+from pipeline.driving.metrics import METRICS
+from pipeline.evaluation.drives import column
+from pipeline.evaluation.reading import read_curves
 
 ROOT = Path(__file__).parents[1]
 PAGE = (ROOT / "docs" / "safety-policy.md").read_text()
@@ -123,7 +126,7 @@ def _of_loop(kind: str, run: str, key: str) -> list[list[float]]:
 
 
 def _loops() -> list[str]:
-    rows = []
+    curves, rows = read_curves(ROOT / "cards" / "curves"), []
     for run, words in LOOPS.items():
         shares = (
             f"{', '.join(f'{100 * mean(of):.0f}' for of in _of_loop('rollout', run, key))} %"
@@ -133,12 +136,8 @@ def _loops() -> list[str]:
             np.sum(_of_loop("ledger_D", run, key), axis=0)
             for key in ("frames_driven", "calls", "failures")
         )
-        ends = [
-            drive["ended"] == "laps done" and not float(drive["touches"])
-            for seed in CURVES
-            for drive in csv.DictReader((seed / f"reliability_{run}_3.csv").open())
-        ]
-        success, broke = f"{100 * mean(ends):.1f} %", ", ".join(map(str, failures))
+        ends = column(curves.among(run=run, iteration=3), METRICS["success"].part)
+        success, broke = f"{100 * ends.mean():.1f} %", ", ".join(map(str, failures))
         rows.append(
             _row(*words, f"{driven.mean():,.0f}", *shares, f"{calls.mean():.0f}", success, broke)
         )
