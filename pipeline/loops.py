@@ -20,6 +20,11 @@ def loops(comparison: Comparison) -> dict[str, Any]:
             for name, run in comparison.runs.items()
             if run.set_aside
         },
+        "parts-of-D_safe": {
+            safe_data(name, run): {"share": run.d_safe}
+            for name, run in comparison.runs.items()
+            if run.has_own_d_safe
+        },
         "rollouts": {
             step: {
                 "iteration": i,
@@ -92,7 +97,13 @@ def loops(comparison: Comparison) -> dict[str, Any]:
         "pictured": [f"{name}_1" for name, run in comparison.runs.items() if run.is_watched][:1],
         "ledgers": {
             FIRST: {"driven": "D_0"},
-            "safe": {"driven": "D_safe"},
+            **{
+                of: {"driven": f"D_{of}"}
+                for of in (
+                    "safe",
+                    *(safe_data(n, r) for n, r in comparison.runs.items() if r.has_own_d_safe),
+                )
+            },
             **{
                 step: {"driven": f"{'new' if run.strategy == 'supervised' else 'rollout'}_{step}"}
                 for step, _, run, _ in steps
@@ -119,6 +130,13 @@ def start(name: str, run: Run) -> str:
     return f"{name}_0" if run.set_aside else FIRST
 
 
+def safe_data(name: str, run: Run) -> str:
+    """The step of the data that no primary of a run learns from, only its safety policies."""
+    if run.has_own_d_safe:
+        return f"safe_{name}"
+    return f"safe_{start(name, run)}" if run.set_aside else "safe"
+
+
 def before(name: str, run: Run, iteration: int) -> str:
     """The step that an iteration of a run follows."""
     return f"{name}_{iteration - 1}" if iteration > 1 else start(name, run)
@@ -142,28 +160,30 @@ def _data(run: Run, name: str, iteration: int) -> str:
 
 
 def _safety(comparison: Comparison, name: str, iteration: int) -> str:
-    """The safety policy after an iteration; all runs with the same labels share the first."""
+    """The safety policy after an iteration; all runs with the same labels of the same D_safe share the first."""
     first, run = next(iter(comparison.runs.values())), comparison.runs[name]
-    shared = iteration == 0 and not run.set_aside and run.labels(0) == first.labels(0)
-    return FIRST if shared else f"{name}_{iteration}"
+    alike = safe_data(name, run) == "safe" and run.labels(0) == first.labels(0)
+    return FIRST if iteration == 0 and alike else f"{name}_{iteration}"
 
 
 def _safeties(comparison: Comparison) -> Iterator[tuple[str, dict[str, Any]]]:
     first = next(iter(comparison.runs.values()))
     for name, run in comparison.runs.items():
         drives_on = run.iterations if run.is_watched else ()
-        safe = f"safe_{start(name, run)}" if run.set_aside else "safe"
         for i in (0, *run.iterations):
             safety = _safety(comparison, name, i)
             if safety == FIRST and run is not first:
                 continue  # the first run's, already
             if not run.driven_by and i + 1 not in drives_on:
                 continue  # nobody asks it
-            about: dict[str, Any] = {"primary": before(name, run, i + 1), "safe": safe}
+            about: dict[str, Any] = {
+                "primary": before(name, run, i + 1),
+                "safe": safe_data(name, run),
+            }
             about |= {"data": _data(run, name, i), "labels": run.labels(i)}
             yield safety, about | {"strategies": run.driven_by}
         for i in run.from_scratch:
-            about = {"primary": scratch(i), "safe": safe}
+            about = {"primary": scratch(i), "safe": safe_data(name, run)}
             about |= {"data": _data(run, name, i), "labels": run.labels(i)}
             yield scratch(i), about | {"strategies": NAIVE_AND_SAFE}
     for tau in comparison.thresholds:

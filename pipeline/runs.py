@@ -58,6 +58,8 @@ class Run(BaseModel):
     set_aside: Annotated[float, Field(ge=0, lt=1)] = 0
     """of safedagger: share of the episodes of D_0 that no primary learns from, in the place of D_safe;
     0: there is a D_safe"""
+    d_safe: Annotated[float, Field(gt=0, le=1)] = 1
+    """of safedagger: share of the episodes of D_safe that there are for it"""
     frames: Counts = []
     """of dagger: how many are driven, and labelled"""
     sample: Counts = []
@@ -96,9 +98,11 @@ class Run(BaseModel):
             if (name in needed) != bool(given):
                 expected = "one for each iteration" if name in needed else "none"
                 raise ValueError(f"{name} of a {self.strategy} run: {given} given, {expected}")
-        for name in ("audit", "set_aside"):
-            if getattr(self, name) and not self.is_watched:
+        for name in ("audit", "set_aside", "d_safe"):
+            if getattr(self, name) != type(self).model_fields[name].default and not self.is_watched:
                 raise ValueError(f"{name} of a {self.strategy} run, expected of safedagger alone")
+        if self.set_aside and self.has_own_d_safe:
+            raise ValueError("set_aside is in the place of D_safe, expected no d_safe beside it")
         many = len(self.iterations)
         allowed = {"samples": (1, many), "tau": (1, many + 1)}
         for name, counts in {**allowed, **{name: (many,) for name in needed}}.items():
@@ -129,6 +133,11 @@ class Run(BaseModel):
     def needs_d_safe(self) -> bool:
         """Whether its loop needs a dataset for the safety policy alone."""
         return self.is_watched and not self.set_aside
+
+    @property
+    def has_own_d_safe(self) -> bool:
+        """Whether that is a part of the one that others have."""
+        return self.d_safe < 1
 
     @property
     def told(self) -> dict[str, Any]:
@@ -172,7 +181,7 @@ class Comparison(BaseModel):
 
     ValidationError where there is none; where one has a name of BESIDE, or is a variant, or of a
     protocol, that there is not; where several are trained from scratch; or where the first, whose
-    supervised stage others share, sets something aside.
+    supervised stage others share, sets something aside or has only a part of D_safe.
     """
 
     model_config = ConfigDict(extra="forbid", frozen=True)
@@ -200,6 +209,8 @@ class Comparison(BaseModel):
             raise ValueError(
                 f"{first}: set_aside in the first run, expected all of D_0 in its place"
             )
+        if run.has_own_d_safe:
+            raise ValueError(f"{first}: d_safe in the first run, expected all of D_safe there")
         if sum(bool(run.from_scratch) for run in self.runs.values()) > 1:
             raise ValueError("from_scratch: given for several runs, expected one at most")
         return self

@@ -10,6 +10,7 @@ from typing import Any, Self
 import pandas as pd
 
 from pipeline.evaluation.drives import among
+from pipeline.loops import safe_data
 from pipeline.metric import FAILURE, Metric
 from pipeline.runs import Run
 
@@ -18,7 +19,9 @@ STEP = ["seed", "run", "iteration", "step"]
 steps of a seed with one name are the same: runs share iteration 0, the supervised stage.
 """
 D_SAFE = "D_safe"
-"""Stands in the place of a run in the ledger of what that cost."""
+"""Stands in the place of a run in the ledger of what that cost; where a run has only a part of it, the
+name of that does, too.
+"""
 HELD_OUT, ROLLOUT = "held_out", "rollout"
 """What a safety policy was judged on: frames of D_safe, which the reference drove; what it met in
 collecting for the next iteration, which it decided about.
@@ -144,13 +147,14 @@ class Experiment(Tables):
         policies exist only to measure. NaN from where a ledger lacks the number.
         """
         rows = self.ledgers.sort_values(STEP[:3], ignore_index=True)
-        d_safe = rows[rows.run == D_SAFE].set_index("seed").queries
         d_0 = rows[rows.iteration == 0].set_index(["seed", "run"]).queries
         kinds = rows.filter(like=FAILURE).columns
         counted = rows[[*SUMMED, *kinds]].assign(by_reference=rows.takeover * rows.frames_driven)
         so_far = _loops(rows, counted).cumsum(skipna=False)
         first = pd.MultiIndex.from_frame(rows[["seed", "run"]])
-        needed = rows.run.map(lambda run: run in self.specs and self.specs[run].needs_d_safe)
+        needing = {n: f"D_{safe_data(n, run)}" for n, run in self.specs.items() if run.needs_d_safe}
+        of_safe = pd.MultiIndex.from_arrays([rows.seed, rows.run.map(needing)])
+        asked = rows.set_index(["seed", "run"]).queries
         return rows.assign(
             **so_far[[*SUMMED, *kinds]],
             scenarios=_loops(rows, rows[["scenarios"]]).cummax(skipna=False),
@@ -158,7 +162,7 @@ class Experiment(Tables):
             call_length=so_far.frames_of_calls / so_far.calls,
             labels=d_0.reindex(first).to_numpy()
             + so_far.queries
-            + d_safe.reindex(rows.seed).to_numpy() * needed,
+            + asked.reindex(of_safe).where(rows.run.isin(needing).to_numpy(), 0).to_numpy(),
         )
 
 

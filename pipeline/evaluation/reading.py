@@ -14,6 +14,7 @@ from pydantic import BaseModel
 from pipeline.evaluation.drives import read_drives
 from pipeline.evaluation.experiment import D_SAFE, HELD_OUT, ROLLOUT, STEP, Experiment, Tables
 from pipeline.evaluation.files import ErrorShares, Ledger, Quality, Rows, Setting, read_json
+from pipeline.loops import safe_data
 from pipeline.runs import BESIDE, FIRST, Comparison, Run
 
 RUNS_FILE = "runs.json"
@@ -125,15 +126,18 @@ def _read(
     parts: list[Tables] = []
     left_out = []
     for seed, runs in told.items():
+        own = []
         for run, iterations in _iterations(folders[seed], kind, specs).items():
             if runs.get(run, specs[run]).told == specs[run].told:
                 parts += steps(folders[seed], seed, run, iterations, specs[run])
+                own += [f"D_{safe_data(run, specs[run])}"] if specs[run].has_own_d_safe else []
             else:
                 left_out.append(
                     f"{specs[run].name}, seed {seed}: told something else than elsewhere."
                 )
-        at = _at(seed, D_SAFE, 0, D_SAFE)
-        parts.append(Tables(ledgers=ledger(folders[seed] / "ledger_D_safe.json", **at)))
+        for dataset in dict.fromkeys([D_SAFE, *own]):
+            at = _at(seed, dataset, 0, dataset)
+            parts.append(Tables(ledgers=ledger(folders[seed] / f"ledger_{dataset}.json", **at)))
     found = Experiment(**vars(Tables.joined(parts)), specs=specs, left_out=tuple(left_out))
     return _belonging_together(found)
 
