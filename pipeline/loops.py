@@ -4,7 +4,7 @@ import json
 from collections.abc import Iterator
 from typing import Any
 
-from pipeline.runs import FIRST, Comparison, Run
+from pipeline.runs import FIRST, Comparison, Run, safe_data, start
 
 NAIVE_AND_SAFE, SAFE = "naive,safe", "safe"
 
@@ -123,18 +123,6 @@ def render(comparison: Comparison) -> str:
         + "".join(f"  {json.dumps(k)}: {json.dumps(v)}\n" for k, v in steps.items())
         for loop, steps in loops(comparison).items()
     )
-
-
-def start(name: str, run: Run) -> str:
-    """The step of a run's supervised stage: that of all, but where something of D_0 is set aside."""
-    return f"{name}_0" if run.set_aside else FIRST
-
-
-def safe_data(name: str, run: Run) -> str:
-    """The step of the data that no primary of a run learns from, only its safety policies."""
-    if run.has_own_d_safe:
-        return f"safe_{name}"
-    return f"safe_{start(name, run)}" if run.set_aside else "safe"
 
 
 def before(name: str, run: Run, iteration: int) -> str:

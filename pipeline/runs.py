@@ -227,6 +227,18 @@ class Comparison(BaseModel):
             raise ValueError(f"{place}: {first['msg'].removeprefix('Value error, ')}") from None
 
 
+def start(name: str, run: Run) -> str:
+    """The step of a run's supervised stage: that of all, but where something of D_0 is set aside."""
+    return f"{name}_0" if run.set_aside else FIRST
+
+
+def safe_data(name: str, run: Run) -> str:
+    """The step of the data that no primary of a run learns from, only its safety policies."""
+    if run.has_own_d_safe:
+        return f"safe_{name}"
+    return f"safe_{start(name, run)}" if run.set_aside else "safe"
+
+
 def read_params(path: Path) -> dict[str, Any]:
     """What is in params.yaml, or another file of names with values; FileNotFoundError where there is none,
     ValueError where it is no YAML.

@@ -144,6 +144,23 @@ def test_what_is_set_aside_of_d_0_takes_the_place_of_d_safe() -> None:
     assert found["steps"]["one_1"]["previous"] == "0"
 
 
+def test_a_run_may_have_a_part_of_d_safe() -> None:
+    """So its first safety policy is its own, and watches the primary of all."""
+    found = loops(one=ONE, two=ONE | {"d_safe": 0.25}, three=AUDITED | {"d_safe": 0.25})
+    assert found["parts-of-D_safe"] == {f"safe_{n}": {"share": 0.25} for n in ("two", "three")}
+    safeties = found["safeties"] | found["safeties-audited"]
+    for name in ("two", "three"):
+        first = safeties[f"{name}_0"]
+        assert (first["primary"], first["safe"], first["data"]) == ("0", f"safe_{name}", "0")
+        assert safeties[f"{name}_1"]["safe"] == f"safe_{name}"
+        rollout = found["rollouts"][f"{name}_1"]
+        assert (rollout["primary"], rollout["safety"]) == ("0", f"{name}_0")
+        assert found["ledgers"][f"safe_{name}"] == {"driven": f"D_safe_{name}"}
+        assert found["steps"][f"{name}_1"]["previous"] == "0"
+    assert safeties["0"]["safe"] == safeties["one_2"]["safe"] == "safe"
+    assert found["ledgers"]["safe"] == {"driven": "D_safe"}
+
+
 def test_each_primary_is_counted_on_in_the_end_and_between_where_it_is_told() -> None:
     told = {"runs": {"one": ONE}, "protocols": {"long": LONG}}
     assert unrolled(Comparison.of(told))["relied-on"] == {}
@@ -183,6 +200,16 @@ def test_what_stands_beside_the_loops() -> None:
         (
             {"set_aside": 0.2},
             "runs: one: set_aside in the first run, expected all of D_0 in its place",
+        ),
+        ({"d_safe": 0.2}, "runs: one: d_safe in the first run, expected all of D_safe there"),
+        ({"d_safe": 0}, "runs.one.d_safe: Input should be greater than 0"),
+        (
+            {"set_aside": 0.2, "d_safe": 0.2},
+            "runs.one: set_aside is in the place of D_safe, expected no d_safe beside it",
+        ),
+        (
+            {**DAGGER, "queries": [], "d_safe": 0.5},
+            "runs.one: d_safe of a dagger run, expected of safedagger alone",
         ),
         (
             {**DAGGER, "queries": [], "audit": 0.1},

@@ -10,9 +10,8 @@ from typing import Any, Self
 import pandas as pd
 
 from pipeline.evaluation.drives import among
-from pipeline.loops import safe_data
 from pipeline.metric import FAILURE, Metric
-from pipeline.runs import Run
+from pipeline.runs import Run, safe_data
 
 STEP = ["seed", "run", "iteration", "step"]
 """Columns of all tables: one iteration of one run on one seed, and what its files are called. Two
@@ -147,22 +146,21 @@ class Experiment(Tables):
         policies exist only to measure. NaN from where a ledger lacks the number.
         """
         rows = self.ledgers.sort_values(STEP[:3], ignore_index=True)
-        d_0 = rows[rows.iteration == 0].set_index(["seed", "run"]).queries
+        before = rows[rows.iteration == 0].set_index(["seed", "run"]).queries
         kinds = rows.filter(like=FAILURE).columns
         counted = rows[[*SUMMED, *kinds]].assign(by_reference=rows.takeover * rows.frames_driven)
         so_far = _loops(rows, counted).cumsum(skipna=False)
         first = pd.MultiIndex.from_frame(rows[["seed", "run"]])
         needing = {n: f"D_{safe_data(n, run)}" for n, run in self.specs.items() if run.needs_d_safe}
         of_safe = pd.MultiIndex.from_arrays([rows.seed, rows.run.map(needing)])
-        asked = rows.set_index(["seed", "run"]).queries
         return rows.assign(
             **so_far[[*SUMMED, *kinds]],
             scenarios=_loops(rows, rows[["scenarios"]]).cummax(skipna=False),
             takeover=so_far.by_reference / so_far.frames_driven,
             call_length=so_far.frames_of_calls / so_far.calls,
-            labels=d_0.reindex(first).to_numpy()
+            labels=before.reindex(first).to_numpy()
             + so_far.queries
-            + asked.reindex(of_safe).where(rows.run.isin(needing).to_numpy(), 0).to_numpy(),
+            + before.reindex(of_safe).where(rows.run.isin(needing).to_numpy(), 0).to_numpy(),
         )
 
 

@@ -14,8 +14,7 @@ from pydantic import BaseModel
 from pipeline.evaluation.drives import read_drives
 from pipeline.evaluation.experiment import D_SAFE, HELD_OUT, ROLLOUT, STEP, Experiment, Tables
 from pipeline.evaluation.files import ErrorShares, Ledger, Quality, Rows, Setting, read_json
-from pipeline.loops import safe_data
-from pipeline.runs import BESIDE, FIRST, Comparison, Run
+from pipeline.runs import BESIDE, FIRST, Comparison, Run, safe_data
 
 RUNS_FILE = "runs.json"
 """In the folder of a seed: what its runs were told, as `safedagger runs` writes it."""

@@ -84,8 +84,8 @@ def test_there_is_a_claim_for_each_budget_and_way_to_collect() -> None:
         return [SPECS[name].name for name in names]
 
     judged = answers(curves(dict.fromkeys(SPECS, 0.9)))
-    assert [each.verdict for each in judged] == ["holds"] * 6 + ["does not hold"] * 27
-    ways = "sized", "seldom", "audited", "aside"
+    assert [each.verdict for each in judged] == ["holds"] * 7 + ["does not hold"] * 32
+    ways = "sized", "seldom", "quarter", "audited", "aside"
     halves = named("safedagger2000", "dagger2000", *(f"{way}2000" for way in ways))
     ours = "safedagger500", "safedagger1000", "safedagger2000", "safedagger1000_anywhere"
     theirs = "dagger500", "dagger1000", "dagger2000", "dagger1000_anywhere"

@@ -9,7 +9,7 @@ from pipeline.evaluation.drives import table, write_drives
 from pipeline.evaluation.experiment import D_SAFE, Experiment, Tables
 from pipeline.evaluation.writing import write_metrics
 from pipeline.output import write_file
-from pipeline.runs import Comparison, read_params
+from pipeline.runs import Comparison, read_params, safe_data
 from tests.evaluation.made_up import CARS, ROOT, ledger, outcome
 
 SPECS = Comparison.of(read_params(ROOT / "scales/curves.yaml")).runs
@@ -29,7 +29,16 @@ def curves(successes: Mapping[str, float], seeds: int = 1, tracks: int = 40) -> 
         for run, share in successes.items()
         for part in (_step(seed, run, 0, BEFORE, tracks), *_loop(seed, run, share, tracks))
     ]
-    d_safe = [_ledger(seed, D_SAFE, 0, SAFE_LABELS) for seed in range(seeds)]
+    own = {
+        f"D_{safe_data(run, SPECS[run])}": SPECS[run].d_safe
+        for run in successes
+        if SPECS[run].has_own_d_safe
+    }
+    d_safe = [
+        _ledger(seed, name, 0, round(share * SAFE_LABELS))
+        for seed in range(seeds)
+        for name, share in ({D_SAFE: 1.0} | own).items()
+    ]
     return Experiment(**vars(Tables.joined([*parts, *d_safe])), specs=SPECS)
 
 

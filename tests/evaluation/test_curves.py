@@ -1,5 +1,6 @@
 """The label curves are read as far as they are there; intervals on a seed are exact."""
 
+import math
 from pathlib import Path
 
 import pytest
@@ -9,7 +10,8 @@ from pipeline.evaluation.drives import among
 from pipeline.evaluation.experiment import Experiment
 from pipeline.evaluation.reading import read_curves
 from pipeline.evaluation.statistics import exact
-from tests.evaluation.made_up_curves import SPECS, curves, write_seed
+from pipeline.evaluation.writing import write_metrics
+from tests.evaluation.made_up_curves import SPECS, counted, curves, write_seed
 
 
 def test_what_was_driven_and_asked_is_read_of_every_seed(tmp_path: Path) -> None:
@@ -54,6 +56,18 @@ def test_a_run_that_sets_something_aside_begins_for_itself(tmp_path: Path) -> No
     assert spent.labels.to_dict() == {"aside1000": 200, "dagger500": 200}
 
 
+def test_of_a_run_with_a_part_of_d_safe_that_part_is_counted(tmp_path: Path) -> None:
+    """And not what the others had, but on a seed that has not counted it yet."""
+    for seed, parts in enumerate((["safe_quarter2000"], [])):
+        folder = write_seed(tmp_path / f"seed_{seed}", "0", "seldom2000_1", "quarter2000_1")
+        for part in ("safe", *parts):
+            asked = counted(560 if part == "safe" else 140)
+            write_metrics(folder / f"ledger_D_{part}.json", {"rows": [asked]})
+    spent = among(read_curves(tmp_path).spent, iteration=1).set_index(["seed", "run"]).labels
+    assert spent[0].to_dict() == {"seldom2000": 760, "quarter2000": 340}
+    assert spent[1, "seldom2000"] == 760 and math.isnan(spent[1, "quarter2000"])
+
+
 def test_of_nothing_there_is_nothing(tmp_path: Path) -> None:
     assert read_curves(tmp_path).runs == []
     write_seed(tmp_path / "seed_0")
@@ -80,6 +94,7 @@ def test_runs_of_one_way_to_collect_go_from_few_labels_to_many() -> None:
         "DAgger, from anywhere": ["dagger1000_anywhere"],
         "SafeDAgger that learns how far": ["sized1000", "sized2000"],
         "SafeDAgger that asks seldom": ["seldom2000"],
+        "SafeDAgger that asks seldom with a quarter of D_safe": ["quarter1000", "quarter2000"],
         "SafeDAgger with audits": ["audited1000", "audited2000"],
         "SafeDAgger with audits for D_safe": ["aside1000", "aside2000"],
     }

@@ -46,6 +46,7 @@ def test_for_each_way_to_collect_the_fewest_labels_that_are_enough(made_up: Expe
         "DAgger, from anywhere: 1,000 in the loop, 3,800 in all",
         "SafeDAgger that learns how far: 1,000 in the loop, 9,400 in all",
         "SafeDAgger that asks seldom: 2,000 in the loop, 10,400 in all",
+        "SafeDAgger that asks seldom with a quarter of D_safe: 1,000 in the loop, 5,200 in all",
         "SafeDAgger with audits: 1,000 in the loop, 9,400 in all",
         "SafeDAgger with audits for D_safe: 1,000 in the loop, 3,800 in all",
     ]

@@ -98,6 +98,16 @@ def test_what_was_selected_is_what_was_queried_is_what_was_merged(house: Path) -
         before = after
 
 
+def test_a_part_of_d_safe_costs_its_part(house: Path) -> None:
+    """And its frames are some of those that all others have."""
+    whole, part = (Dataset.open(house / "datasets" / name) for name in ("D_safe", "D_safe_partly"))
+    assert ledger_of(house, "safe")["queries"] == len(whole) == 40
+    assert ledger_of(house, "safe_partly")["queries"] == len(part) == 30
+    assert {*map(bytes, part.column("vehicle_state"))} < {
+        *map(bytes, whole.column("vehicle_state"))
+    }
+
+
 @pytest.mark.parametrize(
     ("step", "queries", "added", "takeover"), [("dagger_1", 30, 12, 0), ("supervised_1", 20, 20, 1)]
 )
@@ -124,7 +134,7 @@ def test_every_primary_is_counted_on_alone(house: Path) -> None:
     metrics = house / "cards" / "metrics" / "seed_0"
     drives = {path.stem: read_drives(path) for path in metrics.glob("reliability_*.csv")}
     ends = ("0", "safedagger_2", "dagger_1", "supervised_1", "ahead_1", "more_1")
-    ends += ("audited_0", "audited_1")
+    ends += ("audited_0", "audited_1", "partly_1")
     assert {name: len(table) for name, table in drives.items()} == {
         "reliability_safedagger_1": 2,
         **{f"reliability_{step}": 4 for step in ends},

@@ -24,6 +24,8 @@ runs:
     horizon: 0.5, horizon_mode: max, driven_by: safe}
   audited: {<<: *each, strategy: safedagger, name: Audited, variant_of: safedagger, queries: [12],
     audit: 0.5, set_aside: 0.75, driven_by: safe}
+  partly: {<<: *each, strategy: safedagger, name: Partly, variant_of: safedagger, queries: [12],
+    d_safe: 0.75, driven_by: ""}
   more: {<<: *each, strategy: training, name: more training, driven_by: ""}
 tracks: {training: "alder,birch", test: yew}
 contact-sheet: {frames: 2}
