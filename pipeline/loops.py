@@ -45,6 +45,7 @@ def loops(comparison: Comparison) -> dict[str, Any]:
                 "iteration": i,
                 "previous": before(name, run, i),
                 "beta": run.beta,
+                "ask": run.ask,
                 "frames": run.frames[i - 1],
                 "sample": run.sample[i - 1],
                 "protocol": comparison.protocols[run.protocol],

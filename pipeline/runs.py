@@ -24,6 +24,8 @@ BUDGETS = {
     "training": ("samples",),
 }
 """By strategy, what a run has to be told for each iteration."""
+OWN = {"safedagger": ("audit", "set_aside", "d_safe"), "dagger": ("beta", "ask")}
+"""By strategy, what only its runs can be told."""
 FIRST = "0"
 """The step that all runs begin with."""
 BESIDE = ("tau", "scratch")
@@ -61,7 +63,9 @@ class Run(BaseModel):
     d_safe: Annotated[float, Field(gt=0, le=1)] = 1
     """of safedagger: share of the episodes of D_safe that there are for it"""
     frames: Counts = []
-    """of dagger: how many are driven, and labelled"""
+    """of dagger: how many are labelled, all that are driven"""
+    ask: Annotated[float, Field(ge=0.01, le=1)] = 1
+    """of dagger: or only this share of what the primary drives, at random"""
     sample: Counts = []
     """of dagger: how many of them are kept"""
     beta: Annotated[float, Field(ge=0, le=1)] = 0
@@ -98,9 +102,13 @@ class Run(BaseModel):
             if (name in needed) != bool(given):
                 expected = "one for each iteration" if name in needed else "none"
                 raise ValueError(f"{name} of a {self.strategy} run: {given} given, {expected}")
-        for name in ("audit", "set_aside", "d_safe"):
-            if getattr(self, name) != type(self).model_fields[name].default and not self.is_watched:
-                raise ValueError(f"{name} of a {self.strategy} run, expected of safedagger alone")
+        for strategy, names in OWN.items():
+            for name in names:
+                usual = type(self).model_fields[name].default
+                if getattr(self, name) != usual and self.strategy != strategy:
+                    raise ValueError(
+                        f"{name} of a {self.strategy} run, expected of {strategy} alone"
+                    )
         if self.set_aside and self.has_own_d_safe:
             raise ValueError("set_aside is in the place of D_safe, expected no d_safe beside it")
         many = len(self.iterations)

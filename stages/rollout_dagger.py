@@ -1,4 +1,4 @@
-"""DAgger's line 6 (Sec. 2.6): collect D' with a mixture of reference and primary, all labelled."""
+"""DAgger's line 6 (Sec. 2.6): collect D' with a mixture of reference and primary, and ask about it."""
 
 from itertools import count
 from typing import Annotated
@@ -14,17 +14,30 @@ def rollout_dagger(
     primary: options.Primary,
     output: options.Output,
     task: options.Task,
-    frames: Annotated[int, typer.Option(min=1, help="How many frames to drive: each is a query.")],
+    frames: Annotated[
+        int,
+        typer.Option(
+            min=1, help="How many frames to be asked about, all that are driven by default."
+        ),
+    ],
     beta: Annotated[
         float, typer.Option(min=0, max=1, help="Probability that the reference drives a frame.")
     ] = 0.0,
+    ask: Annotated[
+        float,
+        typer.Option(
+            min=0.01, max=1, help="Share of what the primary drives to be asked about, at random."
+        ),
+    ] = 1.0,
     iteration: options.Iteration = 1,
     seed: options.Seed = 0,
     workers: options.Workers = None,
     hold: options.Hold = None,
     device: options.Device = "cpu",
 ) -> None:
-    """Drive with DAgger's mixture, all labelled (Section 2.6)."""
+    """Drive with DAgger's mixture, and ask about all or some of it (Section 2.6)."""
+    import sys
+
     from pipeline.data.lineage import Recipe
     from pipeline.policies.computing import find_device
     from pipeline.policies.inference import Driver
@@ -35,7 +48,7 @@ def rollout_dagger(
 
     drives = record_all(
         task,
-        Mixture(beta),
+        Mixture(beta, ask),
         Driver.load(primary, hold=hold or 1, device=find_device(device)),
         count(),
         seed=(seed, SEED_STREAMS["rollout"] + iteration),
@@ -45,5 +58,5 @@ def rollout_dagger(
     )
 
     recipe = Recipe("rollout-dagger", options.arguments(context), [policy_lineage(primary)])
-    driven = until_queries(drives, frames, frames)
+    driven = until_queries(drives, frames, sys.maxsize)
     typer.echo(keep(driven, output, recipe, task, what="frames", total=frames))

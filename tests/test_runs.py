@@ -88,6 +88,7 @@ def test_dagger_and_supervised_learning_need_no_safety_policy_to_drive() -> None
         "iteration": 1,
         "previous": "0",
         "beta": 0,
+        "ask": 1,
         "frames": 90,
         "sample": 30,
         "protocol": LONG,
@@ -202,6 +203,11 @@ def test_what_stands_beside_the_loops() -> None:
             "runs: one: set_aside in the first run, expected all of D_0 in its place",
         ),
         ({"d_safe": 0.2}, "runs: one: d_safe in the first run, expected all of D_safe there"),
+        ({"ask": 0.1}, "runs.one: ask of a safedagger run, expected of dagger alone"),
+        (
+            {**DAGGER, "queries": [], "ask": 0},
+            "runs.one.ask: Input should be greater than or equal",
+        ),
         ({"d_safe": 0}, "runs.one.d_safe: Input should be greater than 0"),
         (
             {"set_aside": 0.2, "d_safe": 0.2},

@@ -68,13 +68,17 @@ def _around(
 
 
 def sample(dataset: Dataset, output: Path, frames: int, seed: int) -> Summary:
-    """Write a uniform sample of `frames` rows, without replacement, as the dataset `output`; ValueError
-    unless `frames` is from 1 to the rows of the dataset, FileExistsError where `output` exists.
+    """Write a uniform sample of `frames` rows that were queried, without replacement, as the dataset
+    `output`; ValueError unless `frames` is from 1 to the queries of the dataset, FileExistsError where
+    `output` exists.
     """
-    if not 1 <= frames <= len(dataset):
-        raise ValueError(f"frames is {frames}, expected 1 to the {len(dataset)} of {dataset.path}")
+    queried = np.flatnonzero(dataset.column("queried"))
+    if not 1 <= frames <= len(queried):
+        raise ValueError(
+            f"frames is {frames}, expected 1 to the {len(queried)} queries of {dataset.path}"
+        )
     rows = np.zeros(len(dataset), bool)
-    rows[np.random.default_rng(seed).choice(len(dataset), frames, replace=False)] = True
+    rows[np.random.default_rng(seed).choice(queried, frames, replace=False)] = True
     return _keep(dataset, rows, output, Recipe("sample", {"frames": frames, "seed": seed}))
 
 

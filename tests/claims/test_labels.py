@@ -84,18 +84,23 @@ def test_there_is_a_claim_for_each_budget_and_way_to_collect() -> None:
         return [SPECS[name].name for name in names]
 
     judged = answers(curves(dict.fromkeys(SPECS, 0.9)))
-    assert [each.verdict for each in judged] == ["holds"] * 7 + ["does not hold"] * 32
+    assert [each.verdict for each in judged] == ["holds"] * 8 + ["does not hold"] * 39
     ways = "sized", "seldom", "quarter", "audited", "aside"
-    halves = named("safedagger2000", "dagger2000", *(f"{way}2000" for way in ways))
+    seldom = "dagger_seldom2000"
+    halves = named("safedagger2000", "dagger2000", seldom, *(f"{way}2000" for way in ways))
     ours = "safedagger500", "safedagger1000", "safedagger2000", "safedagger1000_anywhere"
     theirs = "dagger500", "dagger1000", "dagger2000", "dagger1000_anywhere"
     others = [name for way in ways for name in SPECS if name.startswith(way)]
     equals = [re.sub("^[a-z]+", "dagger", name) for name in others]
-    rivals = zip(named(*ours, *others), named(*theirs, *equals), strict=True)
+    rivals = [
+        named(run, rival)
+        for run, equal in zip([*ours, *others], [*theirs, *equals], strict=True)
+        for rival in ([equal, seldom] if equal == "dagger2000" else [equal])
+    ]
     plain = zip(named(*others), named(*(f"safe{name}" for name in equals)), strict=True)
-    most = ("safedagger2000", "dagger4000", "supervised2000", ours[3], theirs[3])
+    most = ("safedagger2000", "dagger4000", seldom, "supervised2000", ours[3], theirs[3])
     assert [each.claim for each in judged] == [
         *(HALF.format(run) for run in halves),
         *(MORE.format(run, rival) for run, rival in [*rivals, *plain]),
-        *(MORE.format(run, IDLE) for run in [*named(*most), *halves[2:]]),
+        *(MORE.format(run, IDLE) for run in [*named(*most), *halves[3:]]),
     ]

@@ -88,6 +88,7 @@ def test_runs_of_one_way_to_collect_go_from_few_labels_to_many() -> None:
     assert families(curves(dict.fromkeys(SPECS, 0.9))) == {
         "SafeDAgger": ["safedagger500", "safedagger1000", "safedagger2000"],
         "DAgger": ["dagger500", "dagger1000", "dagger2000", "dagger4000"],
+        "DAgger that asks seldom": ["dagger_seldom2000"],
         "supervised": ["supervised500", "supervised1000", "supervised2000"],
         "more training": ["training"],
         "SafeDAgger, from anywhere": ["safedagger1000_anywhere"],

@@ -40,6 +40,7 @@ def test_for_each_way_to_collect_the_fewest_labels_that_are_enough(made_up: Expe
     assert [*needed(made_up, BEST)] == [
         "SafeDAgger: 2,000 in the loop, 10,400 in all",
         "DAgger: none of those measured; undecided: DAgger, 2,000 labels",
+        "DAgger that asks seldom: 2,000 in the loop, 4,800 in all",
         "supervised: none of those measured",
         "more training: none of those measured",
         "SafeDAgger, from anywhere: 1,000 in the loop, 9,400 in all",

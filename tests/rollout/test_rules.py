@@ -86,6 +86,25 @@ def test_a_mixture_draws_from_its_own_generator_and_always_asks(beta: float, see
         assert decision.ask_probability == 1
 
 
+@given(shares, shares, st.integers(0, 99))
+@example(1.0, 0.5, 0)
+@example(0.0, 0.0, 0)
+def test_a_mixture_may_ask_about_a_share_of_what_the_primary_drives(
+    beta: float, ask: float, seed: int
+) -> None:
+    """Only asking is left to chance anew: the reference's frames cost a query each."""
+    rule = Mixture(beta, ask)
+    rule.begin(np.random.default_rng(seed))
+    rng = np.random.default_rng(seed)
+    for _ in range(5):
+        decision = decide(rule)
+        if rng.random() < beta:
+            assert decision == Decision(True, Asked.DROVE, 1.0)
+        else:
+            asked = ask == 1 or rng.random() < ask
+            assert decision == Decision(False, Asked.MIXTURE if asked else Asked.NOT, ask)
+
+
 def who(rule: Rule, probabilities: list[float]) -> str:
     """Who drives each frame of a drive: the reference or the primary."""
     rule.begin(np.random.default_rng(0))
@@ -170,6 +189,7 @@ def test_chance_beneath_an_audit_is_what_it_is_without() -> None:
         (lambda: Safe(1.1), "cut"),
         (lambda: Optimal(-1.0, STEERING), "tau"),
         (lambda: Mixture(math.nan), "beta"),
+        (lambda: Mixture(0.5, 1.1), "ask"),
         (lambda: Audit(Safe(0.5), 1.1), "audit"),
         (lambda: Calm(Safe(0.5), math.nan, 0), "resume"),
         (lambda: Calm(Safe(0.5), 0.5, -1), "least"),
