@@ -39,6 +39,17 @@ LOOPS = {
     "safedagger2000": ("as in the paper", "unsafe, 0.5"),
     "sized2000": ("that learns how far", "size, 0.7"),
     "seldom2000": ("that asks seldom", "unsafe, 0.3"),
+    "quarter2000": ("that asks seldom, a quarter of D_safe", "unsafe, 0.3"),
+}
+
+SPREAD = {
+    "quarter1000": "SafeDAgger that asks seldom, a quarter of D_safe",
+    "quarter2000": "the same",
+    "seldom2000": "SafeDAgger that asks seldom",
+    "dagger_seldom2000": "DAgger that asks seldom",
+    "dagger1000": "DAgger",
+    "dagger2000": "DAgger",
+    "dagger4000": "DAgger",
 }
 
 
@@ -144,7 +155,19 @@ def _loops() -> list[str]:
     return rows
 
 
-@pytest.mark.parametrize("row", [*_situations(), *_bounds(), *_kinds(), *_loops()])
+def _spread() -> list[str]:
+    """What comes of it, beside DAgger."""
+    curves, rows = read_curves(ROOT / "cards" / "curves"), []
+    for run, words in SPREAD.items():
+        spent = curves.spent[(curves.spent.run == run) & (curves.spent.iteration == 3)]
+        ends = column(curves.among(run=run, iteration=3), METRICS["success"].part)
+        broke = ", ".join(f"{failures:.0f}" for failures in spent.failures)
+        means = (f"{spent[name].mean():,.0f}" for name in ("queries", "labels", "frames_driven"))
+        rows.append(_row(words, *means, f"{100 * ends.mean():.1f} %", broke))
+    return rows
+
+
+@pytest.mark.parametrize("row", [*_situations(), *_bounds(), *_kinds(), *_loops(), *_spread()])
 def test_the_page_has_what_was_measured(row: str) -> None:
     assert row in PAGE
 
