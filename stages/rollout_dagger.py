@@ -35,7 +35,7 @@ def rollout_dagger(
     hold: options.Hold = None,
     device: options.Device = "cpu",
 ) -> None:
-    """Drive with DAgger's mixture, and ask about it (Section 2.6)."""
+    """Drive with DAgger's mixture, and ask (Section 2.6)."""
     import sys
 
     from pipeline.data.lineage import Recipe
