@@ -26,10 +26,10 @@ def test_bytes_depend_on_neither_place_nor_hash_seed(tmp_path: Path) -> None:
     assert files == tree(there)
 
 
-def test_what_passes_through_stays_byte_for_byte(rollout_1: Dataset, tmp_path: Path) -> None:
+def test_what_passes_through_stays_byte_for_byte(new_1: Dataset, tmp_path: Path) -> None:
     """All of it kept: the same rows, statistics and tasks, and another lineage."""
-    sample(rollout_1, tmp_path / "all", len(rollout_1), seed=0)
-    before, after = tree(rollout_1.path), tree(tmp_path / "all")
+    sample(new_1, tmp_path / "all", len(new_1), seed=0)
+    before, after = tree(new_1.path), tree(tmp_path / "all")
     before.pop(DRIVES, None)
     del before[FILE], after[FILE]
     assert after == before

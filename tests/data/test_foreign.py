@@ -59,7 +59,7 @@ def test_what_the_person_drove_is_selected_merged_and_counted(
         shown = float(loaded[index][CAMERAS[0]].mean()) * 255
         assert shown == pytest.approx(row * 20, abs=6)
 
-    sample(arm, tmp_path / "some", len(arm), seed=0)
+    sample(arm, tmp_path / "some", sum(DROVE), seed=0)
     with pytest.raises(ValueError, match="some: 4 of its frames are in"):
         merge([new, Dataset.open(tmp_path / "some")], tmp_path / "both")
     videos = arm.info["video_path"] is not None
