@@ -13,6 +13,11 @@ def loops(comparison: Comparison) -> dict[str, Any]:
     """The loops of dvc.yaml: of each, by step, what is told to its stages."""
     steps = list(_steps(comparison))
     safeties = dict(_safeties(comparison))
+    parts = {
+        safe_data(name, run): {"share": run.d_safe}
+        for name, run in comparison.runs.items()
+        if run.has_own_d_safe
+    }
     audits = {step: i for step, _, run, i in steps if run.audit and step in safeties}
     return {
         "set-aside": {
@@ -20,11 +25,7 @@ def loops(comparison: Comparison) -> dict[str, Any]:
             for name, run in comparison.runs.items()
             if run.set_aside
         },
-        "parts-of-D_safe": {
-            safe_data(name, run): {"share": run.d_safe}
-            for name, run in comparison.runs.items()
-            if run.has_own_d_safe
-        },
+        "parts-of-D_safe": parts,
         "rollouts": {
             step: {
                 "iteration": i,
@@ -98,13 +99,7 @@ def loops(comparison: Comparison) -> dict[str, Any]:
         "pictured": [f"{name}_1" for name, run in comparison.runs.items() if run.is_watched][:1],
         "ledgers": {
             FIRST: {"driven": "D_0"},
-            **{
-                of: {"driven": f"D_{of}"}
-                for of in (
-                    "safe",
-                    *(safe_data(n, r) for n, r in comparison.runs.items() if r.has_own_d_safe),
-                )
-            },
+            **{of: {"driven": f"D_{of}"} for of in ("safe", *parts)},
             **{
                 step: {"driven": f"{'new' if run.strategy == 'supervised' else 'rollout'}_{step}"}
                 for step, _, run, _ in steps
@@ -149,7 +144,9 @@ def _data(run: Run, name: str, iteration: int) -> str:
 
 
 def _safety(comparison: Comparison, name: str, iteration: int) -> str:
-    """The safety policy after an iteration; all runs with the same labels of the same D_safe share the first."""
+    """The safety policy after an iteration; all runs with the same labels and all of D_safe share the
+    first.
+    """
     first, run = next(iter(comparison.runs.values())), comparison.runs[name]
     alike = safe_data(name, run) == "safe" and run.labels(0) == first.labels(0)
     return FIRST if iteration == 0 and alike else f"{name}_{iteration}"

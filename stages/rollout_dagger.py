@@ -1,5 +1,6 @@
 """DAgger's line 6 (Sec. 2.6): collect D' with a mixture of reference and primary, and ask about it."""
 
+import sys
 from itertools import count
 from typing import Annotated
 
@@ -36,8 +37,6 @@ def rollout_dagger(
     device: options.Device = "cpu",
 ) -> None:
     """Drive with DAgger's mixture, and ask (Section 2.6)."""
-    import sys
-
     from pipeline.data.lineage import Recipe
     from pipeline.policies.computing import find_device
     from pipeline.policies.inference import Driver

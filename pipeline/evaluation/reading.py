@@ -125,16 +125,17 @@ def _read(
     parts: list[Tables] = []
     left_out = []
     for seed, runs in told.items():
-        own = []
+        datasets = [D_SAFE]
         for run, iterations in _iterations(folders[seed], kind, specs).items():
             if runs.get(run, specs[run]).told == specs[run].told:
                 parts += steps(folders[seed], seed, run, iterations, specs[run])
-                own += [f"D_{safe_data(run, specs[run])}"] if specs[run].has_own_d_safe else []
+                if specs[run].has_own_d_safe:
+                    datasets.append(f"D_{safe_data(run, specs[run])}")
             else:
                 left_out.append(
                     f"{specs[run].name}, seed {seed}: told something else than elsewhere."
                 )
-        for dataset in dict.fromkeys([D_SAFE, *own]):
+        for dataset in datasets:
             at = _at(seed, dataset, 0, dataset)
             parts.append(Tables(ledgers=ledger(folders[seed] / f"ledger_{dataset}.json", **at)))
     found = Experiment(**vars(Tables.joined(parts)), specs=specs, left_out=tuple(left_out))

@@ -1,4 +1,6 @@
-"""DAgger's: beta pi* + (1 - beta) pi_{i-1}, and every frame is labelled (Sec. 2.6), or a share of them."""
+"""DAgger's: beta pi* + (1 - beta) pi_{i-1}, and every frame is labelled (Sec. 2.6), or a share of
+them.
+"""
 
 from dataclasses import dataclass, field
 
