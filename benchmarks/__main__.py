@@ -19,7 +19,8 @@ HEAD = """\
 # How fast each part is
 
 Written by `make bench` on {day}, on {machine}. Ours and its floor are
-measured in turns, in one run: on another machine, or beside other work, the ratios are what holds.
+measured in turns, in one run: on another machine, or beside other work, the ratios are what holds. A
+ratio is the median of the turns' own, which need not be that of the two medians beside it.
 A row that begins with *of* says what another is made of: its floor is the whole, its ratio the share.
 """
 
