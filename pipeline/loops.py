@@ -157,17 +157,19 @@ def _safeties(comparison: Comparison) -> Iterator[tuple[str, dict[str, Any]]]:
     for name, run in comparison.runs.items():
         drives_on = run.iterations if run.is_watched else ()
         for i in (0, *run.iterations):
-            safety = _safety(comparison, name, i)
-            if safety == FIRST and run is not first:
-                continue  # the first run's, already
-            if not run.driven_by and i + 1 not in drives_on:
-                continue  # nobody asks it
+            safety, strategies = _safety(comparison, name, i), run.driven_by
+            if safety == FIRST:
+                if run is not first:
+                    continue  # the first run's, already
+                strategies = _of_all_that_share_it(comparison)
+            elif not strategies and i + 1 not in drives_on:
+                continue  # nobody asks it; the first one drives in the film
             about: dict[str, Any] = {
                 "primary": before(name, run, i + 1),
                 "safe": safe_data(name, run),
             }
             about |= {"data": _data(run, name, i), "labels": run.labels(i)}
-            yield safety, about | {"strategies": run.driven_by}
+            yield safety, about | {"strategies": strategies}
         for i in run.from_scratch:
             about = {"primary": scratch(i), "safe": safe_data(name, run)}
             about |= {"data": _data(run, name, i), "labels": run.labels(i)}
@@ -176,6 +178,14 @@ def _safeties(comparison: Comparison) -> Iterator[tuple[str, dict[str, Any]]]:
         about = {"primary": FIRST, "safe": "safe", "data": FIRST}
         about |= {"labels": first.labels(0) | {"tau": tau}}
         yield f"tau_{f'{tau:.12f}'[2:].rstrip('0')}", about | {"strategies": SAFE}
+
+
+def _of_all_that_share_it(comparison: Comparison) -> str:
+    """The strategies by which the supervised stage is evaluated, each once."""
+    sharing = [
+        run for name, run in comparison.runs.items() if _safety(comparison, name, 0) == FIRST
+    ]
+    return ",".join(dict.fromkeys(each for run in sharing for each in run.strategies))
 
 
 def _relied_on(comparison: Comparison) -> Iterator[tuple[str, dict[str, str]]]:

@@ -35,10 +35,13 @@ def write_file(path: Path, content: bytes) -> None:
 
 def check_place(*paths: Path | None) -> None:
     """Try, before any work is done, whether something new can be written at each of `paths`, but
-    None. FileExistsError where there is something at one of them; ValueError where a name is too long, a
-    folder is a file, or cannot be written into.
+    None. FileExistsError where there is something at one of them; ValueError where two are the same, a name
+    is too long, a folder is a file, or cannot be written into.
     """
-    for path in filter(None, paths):
+    told = [path for path in paths if path]
+    for number, path in enumerate(told):
+        if path.absolute() in [before.absolute() for before in told[:number]]:
+            raise ValueError(f"{path}: given twice, expected a path for each output")
         try:
             if os.path.lexists(path):
                 raise FileExistsError(f"{path}: exists already, expected a new path")

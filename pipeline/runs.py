@@ -118,6 +118,11 @@ class Run(BaseModel):
             if given not in counts:
                 expected = " or ".join(map(str, dict.fromkeys(counts)))
                 raise ValueError(f"{name}: {given} given, expected {expected}")
+        for i, (driven, kept) in enumerate(zip(self.frames, self.sample, strict=True), 1):
+            if kept > driven:
+                raise ValueError(
+                    f"sample: {kept} of iteration {i}, expected at most its {driven} frames"
+                )
         if self.from_scratch and max(self.from_scratch) > many:
             raise ValueError(f"from_scratch: {max(self.from_scratch)}, expected {many} at most")
         return self
@@ -146,6 +151,11 @@ class Run(BaseModel):
     def has_own_d_safe(self) -> bool:
         """Whether that is a part of the one that others have."""
         return self.d_safe < 1
+
+    @property
+    def strategies(self) -> list[str]:
+        """Those that its policies are evaluated by."""
+        return [name for name in map(str.strip, self.driven_by.split(",")) if name]
 
     @property
     def told(self) -> dict[str, Any]:

@@ -24,8 +24,9 @@ def cards(
     """
     from pipeline.cards.catalogue import Catalogue
     from pipeline.cards.writing import write_dataset_cards, write_model_cards
-    from pipeline.output import new_directory
+    from pipeline.output import check_place, new_directory
 
+    check_place(dataset_cards, model_cards)
     with new_directory(dataset_cards) as for_datasets, new_directory(model_cards) as for_models:
         catalogue = Catalogue(
             datasets, models, dataset_cards=dataset_cards, model_cards=model_cards

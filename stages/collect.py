@@ -31,7 +31,7 @@ def collect(
     Also what supervised learning trains on in later iterations.
     """
     from pipeline.data.lineage import Recipe
-    from pipeline.rollout.plans import SEED_STREAMS
+    from pipeline.rollout.plans import stream
     from pipeline.rollout.recording import record_all
     from pipeline.rollout.rules.reference import Reference
 
@@ -40,7 +40,7 @@ def collect(
         Reference(),
         None,
         range(episodes),
-        seed=(seed, SEED_STREAMS[purpose] + iteration),
+        seed=(seed, stream(purpose, iteration)),
         iteration=iteration,
         workers=workers,
         measure=False,

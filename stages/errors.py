@@ -42,7 +42,7 @@ def errors(
     check_place(figure, metrics)
     network = load_primary(primary, device=find_device(device))
     datasets = {"trained on": Dataset.open(trained), "held out": Dataset.open(held_out)}
-    half_ranges = half_range(datasets["trained on"].features.get("action", network.action))
+    half_ranges = half_range(datasets["trained on"].features["action"])
     rule = LabelRule(measure, 0.0, "last", half_ranges)
     deviations = {
         name: judge(network, dataset, rule=rule).deviation for name, dataset in datasets.items()

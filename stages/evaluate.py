@@ -56,17 +56,18 @@ def evaluate(
         rule_of(parse_driving(name), judgement, resume=resume, least=(least or 0) * task.fps)
         for name in map(str.strip, told.split(","))
     ]
+    told_of_primary = {
+        "primary": weights_sha256(primary),
+        "begun_with": begun_with(primary),
+        "processor": processor(),
+    }
     planned = list(trials(task, rules, starts, seed=seed))
     rows = []
     with options.progress("driving", len(planned)) as advance_to:
         for row in in_order(evaluate_drive, ((trial, driver) for trial in planned), workers):
             rows.append(row)
             advance_to(len(rows))
-    driven = table(rows).assign(
-        primary=weights_sha256(primary),
-        begun_with=begun_with(primary),
-        processor=processor(),
-    )
+    driven = table(rows).assign(**told_of_primary)
     write_drives(drives, driven)
     by_hand = {"cut": cut, "resume": resume, "least": least, "hold": hold}
     chosen = {name: value for name, value in by_hand.items() if value is not None}

@@ -48,10 +48,12 @@ def judge(
     """
     from pipeline.data.dataset import Dataset
     from pipeline.evaluation.quality import calibration_picture, quality_table
+    from pipeline.evaluation.wording import written
     from pipeline.evaluation.writing import write_metrics
     from pipeline.inspection.canvas import png
     from pipeline.learning import judging
     from pipeline.learning.labels import LabelRule
+    from pipeline.metric import QUALITY
     from pipeline.output import check_place, write_file
     from pipeline.policies.computing import find_device
     from pipeline.policies.loading import load_pair, read_cut, read_labels
@@ -72,7 +74,9 @@ def judge(
             bounds.append({"dataset": path.name, "error": error, "auroc": auroc})
     typer.echo(quality_table(rows))
     for bound in bounds:
-        typer.echo(f"{bound['dataset']}, known to within {bound['error']:g}: {bound['auroc']:.3f}")
+        typer.echo(
+            f"{bound['dataset']}, known to within {bound['error']:g}: {written(QUALITY['auroc'], bound['auroc'])}"
+        )
     if figure:
         whole = [row for row in rows if row["situation"] == judging.ALL]
         write_file(figure, png(calibration_picture(whole)))

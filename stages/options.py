@@ -225,7 +225,9 @@ def progress(what: str, total: float) -> Iterator[Callable[[float], None]]:
 
 @contextmanager
 def epochs(samples: int, curve: Path | None) -> Iterator["OnEpoch"]:
-    """What to tell after each epoch of a training: a bar shows how far it is, `curve` how good."""
+    """What to tell after each epoch of a training: a bar shows how far it is, `curve` how good. Where the
+    block fails, no curve is left.
+    """
     from pipeline.evaluation.writing import write_curve
 
     told: list[Mapping[str, float]] = []
@@ -237,7 +239,12 @@ def epochs(samples: int, curve: Path | None) -> Iterator["OnEpoch"]:
             if curve:
                 write_curve(curve, told)
 
-        yield on_epoch
+        try:
+            yield on_epoch
+        except BaseException:
+            if curve:
+                curve.unlink(missing_ok=True)
+            raise
 
 
 def figures(metrics: Mapping[str, Any]) -> str:

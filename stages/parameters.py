@@ -18,15 +18,24 @@ PROTOCOL = "item.protocol"
 def read(params: Path, pipeline: Path) -> "Comparison":
     """What params.yaml compares, once all of its names are known to the pipeline, a dvc.yaml.
 
-    FileNotFoundError where one of the two is missing. ValueError where a run is not one; a key of a group
+    FileNotFoundError where one of the two is missing. ValueError where a run is not one, or to be evaluated
+    by a strategy that there is not; a key of a group
     is no option of the command that dvc.yaml expands the group in; any other name is one that dvc.yaml
     never uses.
     """
     from pipeline.loops import loops
+    from pipeline.rollout.strategies import DRIVING
     from pipeline.runs import Comparison, read_params
 
     given, house = read_params(params), read_params(pipeline)
     comparison = Comparison.of(given)
+    for name, run in comparison.runs.items():
+        for strategy in run.strategies:
+            if strategy not in DRIVING:
+                raise ValueError(
+                    f"{params}: runs.{name}.driven_by: {strategy!r}, "
+                    f"expected one of {', '.join(DRIVING)}"
+                )
     used = set(re.findall(r"\$\{([\w-]+)", str(house)))
     known = (used - {"item", "key"} - loops(comparison).keys()) | Comparison.model_fields.keys()
     for name in given:

@@ -60,12 +60,12 @@ def rollout(
     from pipeline.policies.inference import Driver
     from pipeline.policies.loading import policy_lineage, read_labels
     from pipeline.rollout.judgement import Judgement, rule_of
-    from pipeline.rollout.plans import SEED_STREAMS
+    from pipeline.rollout.plans import stream
     from pipeline.rollout.recording import record_all, until_queries
     from pipeline.rollout.rules.audit import Audit
     from pipeline.rollout.strategies import Strategy
 
-    check_place(metrics)
+    check_place(output, metrics)
     computes = find_device(device)
     judgement = Judgement.read(safety, cut)
     calm = rule_of(Strategy.SAFE, judgement, resume=resume, least=(least or 0) * task.fps)
@@ -74,7 +74,7 @@ def rollout(
         Audit(calm, audit or 0.0),
         Driver.load(primary, safety, hold=hold or 1, device=computes),
         count(),
-        seed=(seed, SEED_STREAMS["rollout"] + iteration),
+        seed=(seed, stream("rollout", iteration)),
         iteration=iteration,
         workers=workers,
     )
@@ -101,7 +101,10 @@ def rollout(
     summary = keep(judged(), output, recipe, task, what="queries", total=queries)
     tau = labels["tau"]
     probability, deviation, why = (np.concatenate(parts) for parts in zip(*met, strict=True))
-    quality = detection_quality(probability, deviation, tau, judgement.cut)
+    # of what was asked about alone nothing can be said: the safety policy chose it
+    unbiased = task.can_look_up or bool((why != Asked.NOT).all())
+    measured = deviation if unbiased else np.full_like(deviation, np.nan)
+    quality = detection_quality(probability, measured, tau, judgement.cut)
     estimated = {}
     if audit and not labels["horizon"]:  # labels that look ahead need frames that nobody was asked
         known = np.where(why != Asked.NOT, deviation, np.nan)

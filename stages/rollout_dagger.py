@@ -41,7 +41,7 @@ def rollout_dagger(
     from pipeline.policies.computing import find_device
     from pipeline.policies.inference import Driver
     from pipeline.policies.loading import policy_lineage
-    from pipeline.rollout.plans import SEED_STREAMS
+    from pipeline.rollout.plans import stream
     from pipeline.rollout.recording import record_all, until_queries
     from pipeline.rollout.rules.mixture import Mixture
 
@@ -50,7 +50,7 @@ def rollout_dagger(
         Mixture(beta, ask),
         Driver.load(primary, hold=hold or 1, device=find_device(device)),
         count(),
-        seed=(seed, SEED_STREAMS["rollout"] + iteration),
+        seed=(seed, stream("rollout", iteration)),
         iteration=iteration,
         workers=workers,
         measure=False,

@@ -32,7 +32,7 @@ def train_primary(
     from pipeline.policies.computing import find_device
     from pipeline.policies.loading import load_primary, policy_lineage, weights_sha256
 
-    check_place(curve)
+    check_place(output, curve)
     computes = find_device(device)
     with new_directory(output) as folder:
         learned = Dataset.open(dataset)

@@ -53,7 +53,7 @@ def train_safety(
     from pipeline.learning.calibration import calibrate
     from pipeline.learning.labels import LabelRule, safe_labels
     from pipeline.learning.quality import detection_quality
-    from pipeline.learning.safety import held_out_episodes, judge
+    from pipeline.learning.safety import apart, judge
     from pipeline.learning.training import safe_probabilities
     from pipeline.learning.training import train_safety as train
     from pipeline.metric import QUALITY
@@ -63,7 +63,7 @@ def train_safety(
     from pipeline.policies.measures import half_range
     from pipeline.policies.safety import SafetyConfig, SafetyPolicy
 
-    check_place(metrics, curve)
+    check_place(output, metrics, curve)
     computes = find_device(device)
     network = load_primary(primary, features_of, computes)
     settings = replace(settings, measure=settings.measure or network.measure)
@@ -73,7 +73,7 @@ def train_safety(
         primary_sha256=weights_sha256(primary),
         features_of=features_of,
         features=network.feature_size,
-        half_range=half_range(safe_data.features.get("action", network.action)),
+        half_range=half_range(safe_data.features["action"]),
         **settings.kept,
     )
     with new_directory(output) as folder:
@@ -88,7 +88,7 @@ def train_safety(
         judged = partial(judge, network, rule=LabelRule.of(vars(config)))
         unseen = judged(safe_data)
         rng = np.random.default_rng(settings.seed)
-        kept = held_out_episodes(unseen, settings.held_out, rng)
+        kept = apart(unseen, settings.held_out, rng, "held_out")
         learned = [
             unseen.only(~kept),
             judged(own_data),
@@ -97,7 +97,7 @@ def train_safety(
         if settings.calibration:
             # audits are from where it has to judge, D_safe is not
             tells = -1 if len(learned) > 2 else 0
-            aside = held_out_episodes(learned[tells], settings.calibration, rng)
+            aside = apart(learned[tells], settings.calibration, rng, "calibration")
             calibrating, learned[tells] = learned[tells].only(aside), learned[tells].only(~aside)
         shown = sum(learned[1:], start=learned[0])
         safe = safe_labels(shown.deviation, settings.tau)

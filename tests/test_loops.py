@@ -86,6 +86,19 @@ def test_a_safety_policy_that_nobody_asks_is_not_trained() -> None:
     assert found["evaluated"] == {}
 
 
+def test_the_first_safety_policy_is_there_whoever_asks_for_it() -> None:
+    """The runs that share it, or the film alone; it is evaluated as any of them wants."""
+    quiet = DAGGER | {"driven_by": ""}
+    alone = loops(one=quiet)
+    assert (list(alone["safeties"]), alone["evaluated"]) == (["0"], {})
+    both = loops(
+        one=quiet, two=ONE | {"driven_by": "naive, safe"}, three=ONE | {"driven_by": "naive"}
+    )
+    assert both["rollouts"]["two_1"]["safety"] == "0"
+    assert both["safeties"]["0"]["strategies"] == "naive,safe"
+    assert both["evaluated"]["0"] == {"primary": "0", "strategies": "naive,safe"}
+
+
 def test_audits_of_all_iterations_are_for_the_safety_policy() -> None:
     """Of the last rollout there is none to learn from them."""
     found = loops(one=ONE, two=AUDITED)

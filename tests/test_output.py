@@ -74,6 +74,12 @@ with new_directory(Path(sys.argv[1])) as folder:
 """
 
 
+def test_a_place_is_given_once(tmp_path: Path) -> None:
+    check_place(tmp_path / "a", None, None, tmp_path / "b")
+    with pytest.raises(ValueError, match=r"a: given twice, expected a path for each output$"):
+        check_place(tmp_path / "a", tmp_path / "b", tmp_path / "a")
+
+
 def test_what_a_killed_command_left_is_swept_by_the_next(tmp_path: Path) -> None:
     subprocess.run([sys.executable, "-c", KILLED, str(tmp_path / "out")], check=False)
     (stale,) = tmp_path.iterdir()

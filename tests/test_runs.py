@@ -36,6 +36,10 @@ ROOT = Path(__file__).parent.parent
             {**DAGGER, "queries": [], "ask": 0},
             "runs.one.ask: Input should be greater than or equal",
         ),
+        (
+            {**DAGGER, "queries": [], "sample": [91]},
+            "runs.one: sample: 91 of iteration 1, expected at most its 90 frames",
+        ),
         ({"d_safe": 0}, "runs.one.d_safe: Input should be greater than 0"),
         (
             {"set_aside": 0.2, "d_safe": 0.2},
@@ -119,6 +123,10 @@ def test_a_line_more_is_a_run_more(tmp_path: Path) -> None:
         (
             ("\nthreads:", "\nthread:"),
             "thread: dvc.yaml has no ${thread}, expected one such as threads",
+        ),
+        (
+            ("naive,safe\n", "naive,saef\n"),
+            "runs.safedagger.driven_by: 'saef', expected one of naive, safe, optimal",
         ),
         (("\nseed:", "\nrollouts: 3\nseed:"), "rollouts: dvc.yaml has no ${rollouts}, expected"),
         (

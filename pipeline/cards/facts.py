@@ -20,7 +20,7 @@ def dataset_facts(dataset: Dataset) -> dict[str, Any]:
     Returns:
         "total", and of each in "scenarios" (by task: track and traffic) and "iterations" (in which a
             frame was first recorded): episodes, frames, queries, frames that the reference drove.
-        "judged": frames for which a safety policy gave its probability of safe; "called_unsafe", of
+        "judged": frames for which a safety policy gave its probability of safe; "taken_over", of
             these: the reference drove.
         "compared": frames of a rollout by a safety policy in which both actions are known;
             "deviating", of these: its labels call them unsafe; "unsafe_is": by which labels.
@@ -63,7 +63,7 @@ def dataset_facts(dataset: Dataset) -> dict[str, Any]:
         "scenarios": by(np.repeat(np.array(dataset.tasks, dtype=str), dataset.lengths)),
         "iterations": by(columns["source.iteration"][:, 0]),
         "judged": int(judged.sum()),
-        "called_unsafe": int((judged & intervention).sum()),
+        "taken_over": int((judged & intervention).sum()),
         **_unsafe(dataset, columns),
         "endings": dict(Counter(drives.ended)) if len(drives) else {},
         "collected": collected(dataset) if len(drives) else {},

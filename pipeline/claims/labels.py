@@ -13,9 +13,9 @@ from pipeline.evaluation.wording import seeds_in_words
 
 MARGIN = 0.05
 """[success per lap] a primary that surely lacks less is as reliable as another"""
-TRACKS = 40
-"""that both have to be driven on; fewer prove nothing: where none of 80 pairs of drives, on as many
-tracks without and with traffic, differ, up to 4.5 % still may, by an exact 95 % interval
+PAIRS = 40
+"""of seed and track, that both have to be driven on; fewer prove nothing: where none of 80 pairs of drives,
+without and with traffic, differ, up to 4.5 % still may, by an exact 95 % interval
 """
 
 
@@ -28,7 +28,7 @@ def is_as_reliable(found: Contrast, margin: float = MARGIN) -> bool | None:
 def against(curves: Experiment, run: str, other: str, judge: Judge = is_as_reliable) -> Finding:
     """The success of a run at its end against another's, in all conditions together."""
     mine, theirs = (naive(curves, each, last(curves, each)) for each in (run, other))
-    found = compare(curves, Row("success", "success", mine, theirs, judge, pairs=TRACKS))
+    found = compare(curves, Row("success", "success", mine, theirs, judge, pairs=PAIRS))
     drives = [curves.among(run=each, iteration=last(curves, each)) for each in (run, other)]
     seeds = sorted(set.intersection(*(set(each.seed) for each in drives)))
     if not seeds:
@@ -59,7 +59,7 @@ def _claims(curves: Experiment, best: str) -> Iterator[tuple[str, str, str, Judg
     for family in ways:
         cheap = [run for run in family if 0 < 2 * labels[run] <= budget(curves, best)]
         if cheap and specs[cheap[-1]].protocol == specs[best].protocol:
-            words = "as reliable as {}, on at most half of its labels"
+            words = "as reliable as {}, on at most half of its labels in the loop"
             yield words, cheap[-1], best, is_as_reliable
     dagger = [run for run in runs if specs[run].strategy == "dagger"]
     in_the_paper = next((each for each in ways if specs[each[0]].strategy == "safedagger"), [])

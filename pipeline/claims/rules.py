@@ -23,6 +23,7 @@ from pipeline.evaluation.experiment import Experiment, mean
 from pipeline.evaluation.wording import count, in_condition, laps, seeds_in_words
 from pipeline.metric import SPENT
 from pipeline.rollout.strategies import Strategy
+from pipeline.runs import FIRST
 
 SHOWN = 3  # of the cells that a claim about every cell does not hold in, or may not
 
@@ -42,8 +43,8 @@ def falls_short(experiment: Experiment) -> Finding:
     most = f"{experiment.most(METRICS['laps']):g}"
     short, shares, numbers = set(), [], []
     for seed in experiment.seeds:
-        # whatever run they stand for: the primary of iteration 0 is the same
-        drives = experiment.among(seed=seed, iteration=0, strategy=Strategy.NAIVE)
+        # whatever run they stand for, but one of its own: the primary of iteration 0 is the same
+        drives = experiment.among(seed=seed, step=FIRST, strategy=Strategy.NAIVE)
         if drives.empty:
             return unknown(f"seed {seed}: not measured")
         failed = _missing(drives).groupby([drives.scenario, drives.condition]).any()
@@ -68,8 +69,12 @@ def drives_as_far(experiment: Experiment) -> Finding:
     and condition; does not hold where they surely do in one.
     """
     cells = []
+    once = experiment.drives.drop_duplicates("step")  # runs share the supervised stage
+    driven = set(zip(once.run, once.iteration, strict=True))
     for run in experiment.runs:
         for iteration, where in product(experiment.iterations(run), experiment.conditions):
+            if (run, iteration) not in driven:
+                continue
             words = f"{experiment.title(run)}, iteration {iteration}, {in_condition(where)}"
             safe, alone = (
                 Cell(run, (iteration,), each, (where,)) for each in (Strategy.SAFE, Strategy.NAIVE)

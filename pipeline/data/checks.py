@@ -36,6 +36,9 @@ def read_info(path: Path) -> dict[str, Any]:
         raise ValueError(f"{path}: LeRobot format {info['codebase_version']}, expected {FORMAT}")
     if not isinstance(info["fps"], int) or info["fps"] < 1:
         raise ValueError(f"{path}: fps is {info['fps']}, expected a whole number of at least 1")
+    for name, feature in info["features"].items():
+        if not isinstance(feature, dict) or not {"dtype", "shape"} <= feature.keys():
+            raise ValueError(f"{path}: meta/info.json says no dtype or no shape of {name!r}")
     if "action" not in info["features"]:
         raise ValueError(f"{path}: not a policy's dataset, it has no column 'action'")
     return info
@@ -91,7 +94,11 @@ def check_episodes(path: Path) -> tuple[NDArray[np.int64], list[str]]:
             )
     _check_metadata(path, firsts, lengths)
     tasks = pq.ParquetFile(path / "meta" / "tasks.parquet").read().to_pydict()
-    names = dict(zip(tasks["task_index"], tasks["task"], strict=True))
+    # LeRobot takes an index without a name, too
+    texts = tasks.get("task", tasks.get("__index_level_0__"))
+    if texts is None or "task_index" not in tasks:
+        raise ValueError(f"{path}: meta/tasks.parquet has no tasks, expected task and task_index")
+    names = dict(zip(tasks["task_index"], texts, strict=True))
     unknown = set(rows["task_index"].tolist()) - names.keys()
     if unknown:
         raise ValueError(f"{path}: meta/tasks.parquet has no task {min(unknown)}, but data has")

@@ -27,6 +27,7 @@ from pipeline.data.schema import (
     SOURCE,
     Asked,
     Feature,
+    channels_last,
     check_features,
     column_dtype,
     core_features,
@@ -63,7 +64,7 @@ class Dataset:
         """
         info = read_info(path)
         features: dict[str, Feature] = {
-            name: {**feature, "shape": tuple(feature["shape"])}
+            name: channels_last({**feature, "shape": tuple(feature["shape"])})
             for name, feature in info["features"].items()
             if name not in LEROBOT_COLUMNS
         }
@@ -195,9 +196,7 @@ class Dataset:
         """[N], the episode of each row."""
         return np.repeat(np.arange(len(self.lengths)), self.lengths)
 
-    def tables(
-        self, rows: Iterable[tuple[int, int]], columns: Sequence[str] | None = None
-    ) -> Iterator[pa.Table]:
+    def tables(self, rows: Iterable[tuple[int, int]], columns: Sequence[str]) -> Iterator[pa.Table]:
         """As `stored.tables`, of its data files."""
         return stored.tables(self.data_files, rows, columns)
 

@@ -99,6 +99,17 @@ def pictures(features: Mapping[str, Feature]) -> list[str]:
     return [name for name, feature in features.items() if feature["dtype"] in PICTURES]
 
 
+def channels_last(feature: Feature) -> Feature:
+    """The description of a picture as it is in memory, where LeRobot's names say that channels come first;
+    of all else as it is.
+    """
+    names = feature.get("names")
+    if feature["dtype"] not in PICTURES or not names or names[0] not in ("channel", "channels"):
+        return feature
+    (channels, *others), (name, *beside) = feature["shape"], names
+    return {**feature, "shape": (*others, channels), "names": [*beside, name]}
+
+
 def column_dtype(feature: Feature) -> np.dtype:
     """The numpy dtype of a column in memory; of text it is object."""
     kind = feature["dtype"]

@@ -15,7 +15,7 @@ from pipeline.data.lineage import Recipe
 from pipeline.data.pieces import chosen
 from pipeline.data.schema import Asked
 from pipeline.data.writing import Summary
-from pipeline.output import new_directory
+from pipeline.output import check_place, new_directory
 
 
 def select(
@@ -86,7 +86,8 @@ def split(
     dataset: Dataset, output: Path, aside: Path, share: float, seed: int
 ) -> tuple[Summary, Summary]:
     """Write a random `share` of the episodes as the dataset `aside`, the others as `output`; ValueError
-    where one side would be left without any, FileExistsError where one of the two exists.
+    where one side would be left without any, or both are one path, FileExistsError where one of the two
+    exists.
     """
     episodes = len(dataset.lengths)
     count = round(share * episodes)
@@ -95,17 +96,22 @@ def split(
             f"share is {share} of the {episodes} episodes of {dataset.path}, "
             "expected some on both sides"
         )
+    check_place(output, aside)
     drawn = np.random.default_rng(seed).choice(episodes, count, replace=False)
     rows = np.isin(dataset.episode_index, drawn)
     told = {"share": share, "seed": seed}
-    return (
-        _keep(dataset, ~rows, output, Recipe("split", told | {"part": "the others"})),
-        _keep(dataset, rows, aside, Recipe("split", told | {"part": "set aside"})),
-    )
+    with new_directory(output) as others, new_directory(aside) as apart:
+        _assemble(dataset, ~rows, others, Recipe("split", told | {"part": "the others"}))
+        _assemble(dataset, rows, apart, Recipe("split", told | {"part": "set aside"}))
+    return Summary.of(Dataset.open(output)), Summary.of(Dataset.open(aside))
 
 
 def _keep(dataset: Dataset, rows: np.ndarray, output: Path, recipe: Recipe) -> Summary:
-    made = Recipe(recipe.purpose, recipe.arguments, [dataset.lineage])
     with new_directory(output) as root:
-        assemble(root, chosen(dataset, rows), made, like=dataset, features=dataset.with_core)
+        _assemble(dataset, rows, root, recipe)
     return Summary.of(Dataset.open(output))
+
+
+def _assemble(dataset: Dataset, rows: np.ndarray, root: Path, recipe: Recipe) -> None:
+    made = Recipe(recipe.purpose, recipe.arguments, [dataset.lineage])
+    assemble(root, chosen(dataset, rows), made, like=dataset, features=dataset.with_core)

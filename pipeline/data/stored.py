@@ -58,11 +58,10 @@ def pngs(column: pa.ChunkedArray) -> list[bytes]:
 
 
 def tables(
-    files: Sequence[Path], rows: Iterable[tuple[int, int]], columns: Sequence[str] | None = None
+    files: Sequence[Path], rows: Iterable[tuple[int, int]], columns: Sequence[str]
 ) -> Iterator[pa.Table]:
     """The rows from `start` to before `stop` for each (start, stop) of `rows`, within one file each, as
-    they are stored; all `columns` by default. Those of one row group that follow each other read it
-    once.
+    they are stored, of some `columns`. Those of one row group that follow each other read it once.
     """
     groups = _row_groups(files)
     starts = [start for _, _, start in groups]

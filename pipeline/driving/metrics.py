@@ -57,8 +57,8 @@ METRICS = {
         shown=("dvc",),
     ),
     "failures": Metric(
-        "Failures: road left, touches, stood still",
-        "per 100 km",
+        "Failures per 100 km",
+        "road left, touches, stood still",
         "amount",
         " + ".join(FAILURES.values()),
         "abs(distance_m) / 1e5",

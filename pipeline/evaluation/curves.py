@@ -35,7 +35,7 @@ def families(curves: Experiment) -> dict[str, list[str]]:
         other = spec.protocol != usual.setdefault(name, spec.protocol)
         if run in there:
             found[f"{name}, from {spec.protocol}" if other else name].append(run)
-    return dict(found)
+    return {name: sorted(runs, key=partial(budget, curves)) for name, runs in found.items()}
 
 
 def budget(curves: Experiment, run: str) -> int:

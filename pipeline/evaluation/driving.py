@@ -9,7 +9,7 @@ from typing import Any
 
 from pipeline.policies.inference import Driver
 from pipeline.policies.measures import deviation, half_range
-from pipeline.rollout.plans import SEED_STREAMS, Plan, driven
+from pipeline.rollout.plans import Plan, driven, stream
 from pipeline.rollout.rules.rule import Rule
 from pipeline.task import Task
 
@@ -43,8 +43,8 @@ def trials(task: Task, rules: Sequence[Rule], starts: int, *, seed: int) -> Iter
         for (condition, there), settings in zip(conditions.items(), told, strict=True):
             for number, scenario in enumerate(there.scenarios):
                 for start in range(starts):
-                    stream = SEED_STREAMS["evaluation"] + start
-                    plan = Plan(there, scenario, rule, (seed, stream, number))
+                    begun = stream("evaluation") + start
+                    plan = Plan(there, scenario, rule, (seed, begun, number))
                     yield Trial(plan, condition, {n: settings[n] for n in varied}, start)
 
 

@@ -94,9 +94,10 @@ def read_scratch(metrics: Path, experiment: Experiment) -> Tables:
     primary, there is nothing to compare it with. ValueError where a file does not hold what it should.
     """
     parts = []
+    both_ways = [run for run, spec in experiment.specs.items() if spec.from_scratch]
     for seed, folder in _seeds(metrics).items():
         for name, run, iteration in _names(folder):
-            warm = experiment.among(seed=seed, run=experiment.ours, iteration=iteration)
+            warm = experiment.among(seed=seed, run=both_ways, iteration=iteration)
             if run == SCRATCH and len(warm):
                 scratch = read_driven(folder, name).assign(**_at(seed, SCRATCH, iteration, name))
                 if set(warm.begun_with) == set(scratch.begun_with):

@@ -16,7 +16,7 @@ from pipeline.inspection.footage import Footage
 from pipeline.policies.inference import Driver
 from pipeline.rollout.judgement import Judgement, rule_of
 from pipeline.rollout.loop import Frame
-from pipeline.rollout.plans import SEED_STREAMS, Plan, driven
+from pipeline.rollout.plans import Plan, driven, stream
 from pipeline.rollout.strategies import Strategy
 from pipeline.task import Task
 
@@ -71,7 +71,7 @@ def plan_to_draw(task: Task, strategy: Strategy, judgement: Judgement | None, se
     if len(car.scenarios) > 1:
         raise ValueError(f"tracks is {car.tracks!r}, expected a single one to draw")
     rule = rule_of(strategy, judgement)
-    return Plan(car, car.scenarios[0], rule, (seed, SEED_STREAMS["film"]))
+    return Plan(car, car.scenarios[0], rule, (seed, stream("film")))
 
 
 def drawn(plan: Plan, driver: Driver | None) -> Iterator[tuple[World, Frame, Tally]]:

@@ -28,7 +28,7 @@ class Judged:
 
     features: NDArray[np.float16]
     """[N, F], what the primary looked at"""
-    deviation: NDArray[np.float32]
+    deviation: NDArray[np.float64]
     """[N], what Eq. 2 compares with tau"""
     episode_index: NDArray[np.int64]
     """[N]"""
@@ -74,14 +74,14 @@ def judge(primary: Actor, dataset: Dataset, *, rule: LabelRule) -> Judged:
     return Judged(features, epsilon, run, 1 / asked.clip(1 / MOST))
 
 
-def held_out_episodes(judged: Judged, share: float, rng: np.random.Generator) -> NDArray[np.bool_]:
-    """[N] true for the frames of a random `share` of the episodes; ValueError where one side would be
-    left without any.
+def apart(judged: Judged, share: float, rng: np.random.Generator, name: str) -> NDArray[np.bool_]:
+    """[N] true for the frames of a random `share` of the episodes; ValueError, that calls it `name`, where
+    one side would be left without any.
     """
     episodes = np.unique(judged.episode_index)
     count = round(share * len(episodes))
     if not 0 < count < len(episodes):
         raise ValueError(
-            f"held-out share {share} of {len(episodes)} episodes, expected some on both sides"
+            f"{name} is {share} of {len(episodes)} episodes, expected some on both sides"
         )
     return np.isin(judged.episode_index, rng.permutation(episodes)[:count])

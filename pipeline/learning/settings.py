@@ -86,7 +86,7 @@ class SafetySettings(Optimisation):
         ),
     ] = 1.0
     held_out: Annotated[
-        float, Setting("Share of D_safe's episodes kept to measure with.", 0, at_most=1)
+        float, Setting("Share of D_safe's episodes kept to measure with.", above=0, below=1)
     ] = 0.2
     calibration: Annotated[
         float,

@@ -130,8 +130,8 @@ def train_safety(
 
     Returns:
         The network in evaluation mode, on the CPU, and metrics: "epoch", "samples", "loss" (of
-        training), and with held-out frames "validation_loss". Both losses have the class weights
-        in them.
+        training), and with held-out frames "validation_loss". Both losses have the weights in them
+        that there are: of frames and, where it learns whether they are unsafe, of the classes.
     """
     weight = np.ones(len(deviation)) if weight is None else weight
     _check_rows(

@@ -31,16 +31,16 @@ class LeRobotActor(Actor):
     """A policy that needs no history, its processors, and the module from which a safety policy learns.
 
     What a safety policy reads is that module's input for the first action, and the action itself;
-    where `features_of` is "name:output", and not only its name, its output. ValueError where the policy
-    has no such module.
+    where `features_of` is "name:output", and not only its name, its output; where it is None, the action
+    alone. ValueError where the policy has no such module.
     """
 
     def __init__(
-        self, policy: PreTrainedPolicy, processors: tuple[Any, Any], features_of: str
+        self, policy: PreTrainedPolicy, processors: tuple[Any, Any], features_of: str | None
     ) -> None:
         super().__init__()
         modules = dict(policy.named_modules())
-        name, _, end = features_of.partition(":")
+        name, _, end = (features_of or "").partition(":")
         if name not in modules or end not in ("", "output"):
             raise ValueError(
                 f"features_of is {features_of!r}, expected a module of {policy.name}, such as "
@@ -59,10 +59,13 @@ class LeRobotActor(Actor):
         self.feature_size, self.chunk = features.shape[1] + self._numbers, chunk.shape[1]
 
     @classmethod
-    def load(cls, directory: Path, features_of: str = "", device: torch.device = CPU) -> Self:
-        """The policy saved in a directory, on a device, whichever it was trained on. ValueError where
-        LeRobot knows no such type, files are missing or do not fit, or nobody says which module a
-        safety policy is to read.
+    def load(
+        cls, directory: Path, features_of: str | None = None, device: torch.device = CPU
+    ) -> Self:
+        """The policy saved in a directory, on a device, whichever it was trained on; `features_of` is ""
+        for the module that is known of its type, None where no safety policy reads any. ValueError where
+        LeRobot knows no such type, files are missing or do not fit, it needs a history, or nobody says
+        which module a safety policy is to read.
         """
         try:
             config = PreTrainedConfig.from_pretrained(directory)
@@ -78,12 +81,19 @@ class LeRobotActor(Actor):
             reason = " ".join(f"{type(error).__name__}: {error}".split())
             raise ValueError(f"{directory}: {reason}, expected a policy of LeRobot's") from None
         module = features_of or FEATURES_OF.get(config.type)
-        if module is None:
+        if module is None and features_of is not None:
             raise ValueError(
                 f"{directory}: nobody says which module of a {config.type} a safety policy reads, "
                 "expected --features-of"
             )
-        return cls(policy.eval(), processors, module)
+        try:
+            return cls(policy.eval(), processors, module)
+        except (RuntimeError, NotImplementedError, KeyError, IndexError) as error:
+            reason = " ".join(f"{type(error).__name__}: {error}".split())
+            raise ValueError(
+                f"{directory}: a {config.type} cannot act on one frame alone ({reason}), "
+                "expected a policy that needs no history"
+            ) from None
 
     def look(self, seen: Mapping[str, Tensor]) -> Tensor:
         """[B, F + A]: what the module takes, or gives, for the first action, and that action."""
@@ -107,6 +117,9 @@ class LeRobotActor(Actor):
         images = pictures(self.seen)
         batch = {n: to_float(seen[n]) if n in images else seen[n].float() for n in self.seen}
         read: list[Tensor] = []
+        if self.features_of is None:
+            chunk = self.policy.predict_action_chunk(self._before(batch))
+            return chunk.new_empty((len(chunk), 0), dtype=torch.float32), chunk
         name, _, end = self.features_of.partition(":")
         module: nn.Module = self.policy.get_submodule(name)
         hook = (

@@ -57,10 +57,12 @@ class Config:
         return found
 
 
-def load_primary(directory: Path, features_of: str = "", device: torch.device = CPU) -> Actor:
+def load_primary(
+    directory: Path, features_of: str | None = None, device: torch.device = CPU
+) -> Actor:
     """The primary in a policy's directory: ours, or whatever LeRobot's registry knows, with processors.
 
-    Of LeRobot's, `features_of` is the module whose input a safety policy reads; see `lerobot`.
+    Of LeRobot's, `features_of` is the module whose input a safety policy reads, if any; see `lerobot`.
     ValueError where something is missing or misfits.
     """
     config = read_config(directory)
@@ -131,12 +133,18 @@ def begun_with(primary: Path) -> str:
     began with, whether it was trained on or only drove what was learned from.
     Raises as `policy_lineage`.
     """
-    return "+".join(sorted(_first_primaries(policy_lineage(primary)))) or weights_sha256(primary)
+    return "+".join(sorted(_first_primaries(policy_lineage(primary), {}))) or weights_sha256(
+        primary
+    )
 
 
-def _first_primaries(lineage: Lineage) -> set[str]:
-    before = {sha256 for parent in lineage.parents for sha256 in _first_primaries(parent)}
-    return before or ({lineage.sha256} if lineage.own.purpose == "primary" else set())
+def _first_primaries(lineage: Lineage, known: dict[str, set[str]]) -> set[str]:
+    """Those of `known` lineages, by their SHA-256, are looked for once: each is what many come from."""
+    if lineage.sha256 not in known:
+        before = set[str]().union(*(_first_primaries(each, known) for each in lineage.parents))
+        own = {lineage.sha256} if lineage.own.purpose == "primary" else set[str]()
+        known[lineage.sha256] = before or own
+    return known[lineage.sha256]
 
 
 def read_labels(safety: Path) -> dict[str, Any]:

@@ -38,7 +38,15 @@ def gaps(material: Material, pictures: Mapping[str, Mapping[int, str]]) -> list[
         ),
         *(
             f"Label curves: {each}"
-            for each in (*curves.left_out, *_missing_iterations(curves, ends))
+            for each in (
+                *curves.left_out,
+                *_missing_iterations(curves, ends),
+                *(
+                    f"seed {seed}: no results."
+                    for seed in experiment.seeds
+                    if curves.seeds and seed not in curves.seeds
+                ),
+            )
         ),
     ]
 

@@ -9,7 +9,7 @@ from matplotlib.patches import Patch
 from matplotlib.ticker import PercentFormatter
 
 from pipeline.claims.labels import MARGIN
-from pipeline.evaluation.curves import budget, families, last, success
+from pipeline.evaluation.curves import budget, ended, families, last, success
 from pipeline.evaluation.experiment import Experiment, mean
 from pipeline.inspection.canvas import new_figure
 from pipeline.metric import SPENT
@@ -28,9 +28,10 @@ def label_curves(curves: Experiment, best: str) -> Figure:
         for number, where in enumerate(curves.conditions, 1):
             axes = figure.add_subplot(len(curves.conditions), 1, number)
             _panel(axes, curves, best, where)
-        band = f"at most {MARGIN:g} below {curves.title(best)}"
+        band = f"at most {100 * MARGIN:g} points below {curves.title(best)}"
+        there = Patch(color=curves.specs[best].colour, alpha=BAND, label=band)
         handles = [
-            Patch(color=curves.specs[best].colour, alpha=BAND, label=band),
+            *([there] if best in ended(curves) else []),
             Line2D([], [], color="0.4", marker="|", ms=12, linestyle="", label="95 % interval"),
         ]
         figure.legend(handles=handles, loc="outside upper center", ncols=2)

@@ -10,6 +10,7 @@ from pipeline.evaluation.comparison import contrast, estimate, naive
 from pipeline.evaluation.curves import ended, families, last, success
 from pipeline.evaluation.drives import among
 from pipeline.evaluation.experiment import Experiment
+from pipeline.evaluation.statistics import exact
 from pipeline.evaluation.wording import (
     FORMS,
     NOTHING,
@@ -41,14 +42,24 @@ def needed(curves: Experiment, best: str) -> Iterator[str]:
     """For each way of collecting, the fewest labels with which it is as reliable as `best`."""
     for name, family in families(curves).items():
         found = {run: against(curves, run, best).holds for run in family if run != best}
-        enough = [run for run, holds in found.items() if holds]
-        unknown = [curves.title(run) for run, holds in found.items() if holds is None]
+        enough = next((run for run, holds in found.items() if holds), None)
+        fewer = list(found)[: list(found).index(enough)] if enough else list(found)
+        unknown = [curves.title(run) for run in fewer if found[run] is None]
+        still = f"; undecided: {', '.join(unknown)}" if unknown else ""
         if enough:
-            spent = _spent(curves, enough[0], last(curves, enough[0]))
-            yield f"{name}: {count(spent.queries)} in the loop, {count(spent.labels)} in all"
+            spent = _spent(curves, enough, last(curves, enough))
+            yield f"{name}: {count(spent.queries)} in the loop, {count(spent.labels)} in all{still}"
         elif found:
-            still = f"; undecided: {', '.join(unknown)}" if unknown else ""
-            yield f"{name}: none of those measured{still}"
+            none = "none with fewer" if best in family else "none of those measured"
+            yield f"{name}: {none}{still}"
+
+
+def certain(curves: Experiment) -> tuple[int, float]:
+    """The most drives that a run has in a condition, and the share that surely succeed where all of them
+    did: the low end of the exact 95 % interval.
+    """
+    drives = int(curves.drives.groupby(["run", "iteration", "condition"]).size().max())
+    return drives, exact(drives, drives).low
 
 
 def numbers(curves: Experiment, best: str) -> str:

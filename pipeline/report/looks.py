@@ -78,7 +78,7 @@ def name_ends(axes: Axes, ends: Sequence[tuple[float, float, str, str]]) -> None
     for i in reversed(range(len(places))):  # none above the panel
         places[i] = min(places[i], 1 - NAME * (len(places) - 1 - i))
     for (x, y, name, colour), place in zip(ordered, places, strict=True):
-        line = {"arrowstyle": "-", "color": colour, "linewidth": 0.5}
+        line = {"arrowstyle": "-", "color": colour, "linewidth": 0.5, "relpos": (0, 0.5)}
         beside: dict[str, Any] = {"textcoords": "axes fraction", "va": "center"}
         axes.annotate(name, (x, y), (1.04, place), color=colour, arrowprops=line, **beside)
 

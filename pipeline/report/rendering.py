@@ -7,6 +7,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+import pandas as pd
+
 from pipeline.claims.findings import MARGIN, PAIRS
 from pipeline.claims.labels import MARGIN as LABEL_MARGIN
 from pipeline.claims.labels import answers
@@ -111,10 +113,13 @@ def _cost(material: Material) -> dict[str, Any]:
 def _basis(material: Material) -> dict[str, Any]:
     """What was driven."""
     drives = material.driven
+    cars = drives.get(
+        "traffic", pd.Series(dtype=float)
+    )  # a column only where conditions differ in it
     return {
         "tracks": sorted(set(drives.scenario)),
         "starts": sorted(set(drives.groupby(["seed", "step"]).start.nunique())),
-        "cars": [f"{number:g}" for number in sorted(set(drives.traffic[drives.traffic > 0]))],
+        "cars": [f"{number:g}" for number in sorted(set(cars[cars > 0]))],
         "drives": len(drives),
     }
 

@@ -64,10 +64,14 @@ def drive(
         driver: the policies; None where only the reference drives. It is reset when the drive begins,
             and after each frame in which the reference drove: what it planned before is of no use.
         rule: who drives; `rng` is its own.
-        can_look_up: whether the reference may be looked up, which costs nothing; where not, a rule
-            that looks up sees NaN.
+        can_look_up: whether the reference may be looked up, which costs nothing; a ValueError where not,
+            and the rule looks up.
         measure: whether it is looked up in every frame about which it is not asked.
     """
+    if rule.looks_up and not can_look_up:
+        raise ValueError(
+            f"{rule.name} looks up the reference, which cannot be in this task, expected another rule"
+        )
     rule.begin(rng)
     if driver is not None:
         driver.reset()
@@ -77,7 +81,7 @@ def drive(
     while not over:
         seen = columns_of(observation)
         primary_action, signals = _consult(driver, seen, unknown)
-        known = env.look_up() if rule.looks_up and can_look_up else unknown
+        known = env.look_up() if rule.looks_up else unknown
         decision = rule.decide(Signals(primary_action, signals, known))
         if decision.asked is not Asked.NOT:
             known = env.label()

@@ -18,7 +18,7 @@ from pipeline.task import Task
 if TYPE_CHECKING:
     from pipeline.policies.inference import Driver
 
-SEED_STREAMS = {
+_STREAMS = {
     "D_0": 0,
     "D_safe": 1,
     "D_held": 2,
@@ -30,6 +30,20 @@ SEED_STREAMS = {
 """The second number of every drive's seed: no two collections of an experiment meet the same random
 numbers.
 """
+
+
+def stream(purpose: str, iteration: int = 0) -> int:
+    """The stream of a purpose in an iteration; ValueError where that would be another purpose's."""
+    first = _STREAMS[purpose]
+    room = min((other for other in _STREAMS.values() if other > first), default=2**32) - first
+    if iteration >= room:
+        raise ValueError(
+            f"iteration is {iteration} of {purpose!r}, expected at most {room - 1}: "
+            "its drives would be those of another purpose"
+        )
+    return first + iteration
+
+
 _RULE = 1  # the last number of the seed of a rule's own generator
 
 

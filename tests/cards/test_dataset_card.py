@@ -73,7 +73,7 @@ def test_its_numbers_are_the_datasets(name: str, cards: Path) -> None:
     assert number(card, "frames that a safety policy judged") == judged
     if judged:
         unsafe = (columns["safe_probability"] < 0.5).sum()
-        assert number(card, "of these, called unsafe") == unsafe
+        assert number(card, "of these, driven by the reference") == unsafe
         # the labels of this safety policy have the brake in them, the column has not
         squares = (columns["primary_action"] - columns["action"]) ** 2
         above = (squares.sum(axis=1) > 0.05)[columns["queried"][:, 0]].sum()

@@ -46,6 +46,15 @@ def test_the_yardstick_is_met_on_every_seed_by_its_worst_case() -> None:
     assert judged("supervised_fails", unmeasured).evidence == "seed 0: not measured"
 
 
+def test_the_supervised_primary_is_that_of_all_runs_and_none_of_a_part_of_d_0() -> None:
+    """A run that sets something of D_0 aside begins with a primary of its own."""
+    full = replace(GROWING[0], laps=(3.0, 3.0))
+    both = experiment({"safedagger": [full, *GROWING[1:]], "dagger": [GROWING[0], *SLOW[1:]]})
+    own = (both.drives.run == "dagger") & (both.drives.iteration == 0)
+    both = replace(both, drives=both.drives.assign(step=both.drives.step.mask(own, "dagger_0")))
+    assert judged("supervised_fails", both).verdict == "does not hold"
+
+
 def observed(name: str, **changes: list[Level]) -> str:
     return judged(name, experiment({**GOOD, **changes})).observed
 

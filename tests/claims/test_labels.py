@@ -13,7 +13,7 @@ from pipeline.evaluation.statistics import Estimate
 from tests.evaluation.made_up_curves import SPECS, curves
 
 BEST = {"dagger4000": 0.9}
-HALF = "{}: as reliable as DAgger, 4,000 labels, on at most half of its labels."
+HALF = "{}: as reliable as DAgger, 4,000 labels, on at most half of its labels in the loop."
 MORE = "{}: more reliable than {}."
 IDLE = "more training, no labels"
 OURS, THEIRS = (f"{name}, 2,000 labels" for name in ("SafeDAgger", "DAgger"))

@@ -81,7 +81,7 @@ ALIKE = Level(takeover=(0.1, 0.1))
         ),
         (
             *("safe_drives_as_far", {"safedagger_max": ending(GROWING, safe_laps=(3, 1))}, NEVER),
-            "surely in 55 of 56 cells; SafeDAgger, 1 s ahead (max), iteration 3, with traffic: "
+            "surely in 43 of 44 cells; SafeDAgger, 1 s ahead (max), iteration 3, with traffic: "
             "1.00 against 3.00 (-2.00 [-2.00, -2.00], 12 pairs)",
         ),
         (

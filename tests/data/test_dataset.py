@@ -167,6 +167,10 @@ SPOILT: dict[str, tuple[Spoil, str]] = {
         change_info(total_episodes=3),
         "half-written, meta/episodes has 2 rows, but meta/info.json says total_episodes = 3",
     ),
+    "a column without a shape": (
+        change_info(features={"action": {"dtype": "float32"}}),
+        "meta/info.json says no dtype or no shape of 'action'",
+    ),
     "tasks lost": (lose("meta/tasks.parquet"), "half-written, meta/tasks.parquet is missing"),
     "statistics lost": (lose("meta/stats.json"), "half-written, meta/stats.json is missing"),
     "rows swapped": (

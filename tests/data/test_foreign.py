@@ -1,9 +1,12 @@
 """A dataset that somebody else has written is opened, selected from, merged and counted."""
 
+import json
+import shutil
 from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
+import pandas as pd
 import pytest
 
 from pipeline.data.dataset import Dataset
@@ -25,6 +28,26 @@ def test_it_opens(arm: Dataset) -> None:
     assert sorted(arm.cameras) == sorted(CAMERAS)
     assert arm.tasks == ["stack the blocks"] * 2
     assert arm.column("queried").tolist() == DROVE
+
+
+def test_other_ways_to_say_the_same_that_lerobot_takes(arm: Dataset, tmp_path: Path) -> None:
+    """Channels that come first by their names, and tasks without a name for what they are."""
+    path = tmp_path / "otherwise"
+    shutil.copytree(arm.path, path)
+    file = path / "meta" / "info.json"
+    info = json.loads(file.read_text())
+    for camera in CAMERAS:
+        height, width, channels = info["features"][camera]["shape"]
+        said = {"shape": [channels, height, width], "names": ["channels", "height", "width"]}
+        info["features"][camera] |= said
+    file.write_text(json.dumps(info))
+    tasks = pd.read_parquet(path / "meta" / "tasks.parquet")
+    tasks.rename_axis(None).to_parquet(path / "meta" / "tasks.parquet")
+    otherwise = Dataset.open(path)
+    assert otherwise.tasks == arm.tasks
+    assert otherwise.features == arm.features
+    for camera in CAMERAS:
+        assert brightness(otherwise, camera).tolist() == brightness(arm, camera).tolist()
 
 
 def brightness(dataset: Dataset, camera: str) -> np.ndarray:

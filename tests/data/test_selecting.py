@@ -226,6 +226,9 @@ def test_whole_episodes_are_set_aside(tmp_path: Path, share: float, count: int) 
         assert sorted([*numbers[0], *numbers[1]]) == [0, 1, 2, 3]
         assert len(rest) + len(aside) == len(d_0)
     assert aside.lineage.own.arguments["part"] == "set aside"
+    with pytest.raises(FileExistsError, match="aside: exists already"):
+        split(d_0, tmp_path / "rest", aside.path.rename(tmp_path / "aside"), share, 0)
+    assert not (tmp_path / "rest").exists()
 
 
 def test_an_audit_is_no_context(tmp_path: Path) -> None:

@@ -1,5 +1,6 @@
 """What stands beside an experiment: other thresholds, primaries from scratch, errors."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -15,8 +16,8 @@ from pipeline.evaluation.reading import (
     read_thresholds,
 )
 from pipeline.rollout.strategies import Strategy
-from tests.evaluation.made_up import GROWING, drives
-from tests.evaluation.written import drive_again, write_beside, write_run
+from tests.evaluation.made_up import GROWING, SLOW, drives, experiment
+from tests.evaluation.written import drive_again, write, write_beside, write_run
 
 
 def test_thresholds_of_all_seeds_are_read_by_tau(tmp_path: Path) -> None:
@@ -62,6 +63,18 @@ def test_the_warm_counterpart_stands_beside_the_primary_from_scratch(tmp_path: P
     for run, iteration in ((SCRATCH, 1), (WARM, 3)):
         expected = drives(GROWING[iteration], starts=2)
         assert found.among(run=run).laps.tolist() == expected.laps.tolist()
+
+
+def test_the_warm_one_is_of_the_run_that_was_trained_from_scratch_too(tmp_path: Path) -> None:
+    write_beside(write(experiment({"safedagger": GROWING, "dagger": SLOW}), tmp_path), "scratch_3")
+    found = read_experiment(tmp_path)
+    iterations = {"safedagger": [], "dagger": [3]}
+    specs = {
+        run: spec.model_copy(update={"from_scratch": iterations.get(run, [])})
+        for run, spec in found.specs.items()
+    }
+    pairs = read_scratch(tmp_path, replace(found, specs=specs))
+    assert set(pairs.among(run=WARM).step) == {"dagger_3"}
 
 
 @pytest.mark.parametrize(

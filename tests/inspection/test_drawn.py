@@ -18,7 +18,7 @@ from pipeline.inspection.rerun_sinks import into_file
 from pipeline.inspection.rerun_traces import RAW
 from pipeline.policies.inference import Driver
 from pipeline.rollout.judgement import Judgement
-from pipeline.rollout.plans import SEED_STREAMS, Plan
+from pipeline.rollout.plans import Plan, stream
 from pipeline.rollout.recording import record
 from pipeline.rollout.rules.mixture import Mixture
 from pipeline.rollout.rules.naive import Naive
@@ -76,7 +76,7 @@ def test_what_is_done_of_a_drive_is_of_its_time_or_of_its_laps() -> None:
 
 def test_only_one_track_of_the_car_is_drawn() -> None:
     alone = Strategy.REFERENCE, None, 3
-    assert plan_to_draw(PLAN.task, *alone) == replace(ALONE, seed=(3, SEED_STREAMS["film"]))
+    assert plan_to_draw(PLAN.task, *alone) == replace(ALONE, seed=(3, stream("film")))
     with pytest.raises(ValueError, match="tracks is 'birch,alder', expected a single one"):
         plan_to_draw(replace(PLAN.task, tracks="birch,alder"), *alone)
     pendulum = Pendulum(length=1.0)

@@ -10,7 +10,7 @@ from pipeline.data.dataset import Dataset
 from pipeline.data.selecting import select
 from pipeline.driving.network import PrimaryNetwork
 from pipeline.learning.labels import LabelRule
-from pipeline.learning.safety import MOST, Judged, held_out_episodes, judge
+from pipeline.learning.safety import MOST, Judged, apart, judge
 from tests.episodes import random_episode, write
 
 PRIMARY = PrimaryNetwork(2, generator=torch.Generator().manual_seed(0))
@@ -82,9 +82,9 @@ def test_episodes_are_held_out_whole(lengths: list[int], share: float, seed: int
     rng = np.random.default_rng(seed)
     if not 0 < count < len(lengths):
         with pytest.raises(ValueError, match="expected some on both sides"):
-            held_out_episodes(frames, share, rng)
+            apart(frames, share, rng, "held_out")
         return
-    kept = held_out_episodes(frames, share, rng)
+    kept = apart(frames, share, rng, "held_out")
     assert len(np.unique(frames.episode_index[kept])) == count
     assert not set(frames.episode_index[kept]) & set(frames.episode_index[~kept])
 

@@ -10,12 +10,15 @@ from lerobot.configs.types import FeatureType, PolicyFeature
 from lerobot.policies.act.configuration_act import ACTConfig
 from lerobot.policies.act.modeling_act import ACTPolicy
 from lerobot.policies.factory import make_pre_post_processors
+from lerobot.policies.tdmpc.configuration_tdmpc import TDMPCConfig
+from lerobot.policies.tdmpc.modeling_tdmpc import TDMPCPolicy
 
 from pipeline.data.dataset import Dataset
 from pipeline.data.images import read_all
 from pipeline.driving.task import Driving
 from pipeline.policies.computing import find_device
 from pipeline.policies.inference import Driver, propose
+from pipeline.policies.lerobot import LeRobotActor
 from pipeline.policies.loading import load_primary
 from pipeline.policies.network import SafetyNetwork
 from pipeline.rollout.recording import record_all
@@ -221,6 +224,38 @@ def test_a_module_is_read_at_its_input_or_its_output(act: Path) -> None:
     torch.testing.assert_close(given[:, 0] * STD + MEAN, given[:, 1], rtol=1e-4, atol=1e-4)
     another = load_primary(act, "model.encoder_robot_state_input_proj")
     assert another.feature_size == 3 + 1
+
+
+def test_without_a_safety_policy_no_module_need_be_known(act: Path) -> None:
+    """It is driven with then, and watched by nobody."""
+    policy = ACTPolicy.from_pretrained(act).eval()
+    processors = make_pre_post_processors(policy.config, pretrained_path=str(act))
+    seen = {n: torch.from_numpy(column)[None] for n, column in frame().items()}
+    unread = LeRobotActor(policy, processors, None)
+    assert unread.feature_size == 1
+    assert torch.equal(unread.look(seen), load_primary(act).look(seen)[:, -1:])
+
+
+def test_a_policy_that_needs_a_history_is_refused(tmp_path: Path) -> None:
+    """TD-MPC, small and untrained: it stacks the frames that it has seen."""
+    config = TDMPCConfig(
+        input_features={
+            "observation.image": PolicyFeature(FeatureType.VISUAL, (3, 84, 84)),
+            "observation.state": PolicyFeature(FeatureType.STATE, (3,)),
+        },
+        output_features={"action": PolicyFeature(FeatureType.ACTION, (1,))},
+        image_encoder_hidden_dim=8,
+        mlp_dim=8,
+        latent_dim=8,
+        device="cpu",
+        push_to_hub=False,
+    )
+    TDMPCPolicy(config).save_pretrained(tmp_path)
+    ends = {n: torch.ones(1) for n in ("mean", "std", "min", "max")}
+    for processor in make_pre_post_processors(config, dataset_stats={"action": ends}):
+        processor.save_pretrained(tmp_path)
+    with pytest.raises(ValueError, match=r"a tdmpc cannot act on one frame alone .*no history$"):
+        load_primary(tmp_path)
 
 
 @pytest.mark.parametrize(

@@ -1,5 +1,7 @@
 """What the report rests on, and how sure it is."""
 
+from dataclasses import replace
+
 import pytest
 
 from pipeline.evaluation.experiment import D_SAFE
@@ -49,13 +51,19 @@ def test_what_it_rests_on(good: str, alone: str) -> None:
     """Iteration 0 is shared: 22 steps of 36 drives on each seed."""
     basis = block(good, "**Basis.**")
     assert "Seeds 0, 1. Test tracks: spruce, willow, yew. Starts on each: 3." in basis
-    assert "Traffic: 40 cars. 1,584 drives in all: naive, in which" in basis
+    assert "Traffic: 40 cars. 1,584 drives: naive, in which" in basis
     assert "Each seed again: `make experiment SEED=0`, `make experiment SEED=1`." in basis
     assert "make repro" not in basis
     basis = block(alone, "**Basis.**")
     assert basis.startswith("**Basis.** Seed 0. ")
     assert "Each seed again: `make repro`, with this `seed` in `params.yaml`;" in basis
     assert "`make experiment SEED=0`" in basis
+
+
+def test_where_no_condition_has_traffic_there_is_no_column_of_it() -> None:
+    made_up = experiment(ALONE)
+    quiet = replace(made_up, drives=made_up.drives.drop(columns="traffic"))
+    assert "Traffic: no cars." in block(report(quiet), "**Basis.**")
 
 
 def test_that_all_went_well_is_no_certainty(good: str, alone: str) -> None:

@@ -38,8 +38,8 @@ def made_up() -> Experiment:
 
 def test_for_each_way_to_collect_the_fewest_labels_that_are_enough(made_up: Experiment) -> None:
     assert [*needed(made_up, BEST)] == [
-        "SafeDAgger: 2,000 in the loop, 10,400 in all",
-        "DAgger: none of those measured; undecided: DAgger, 2,000 labels",
+        "SafeDAgger: 2,000 in the loop, 10,400 in all; undecided: SafeDAgger, 1,000 labels",
+        "DAgger: none with fewer; undecided: DAgger, 2,000 labels",
         "DAgger that asks seldom: 2,000 in the loop, 4,800 in all",
         "supervised: none of those measured",
         "more training: none of those measured",
@@ -83,11 +83,16 @@ def test_what_the_ledgers_do_not_tell_is_a_dash_and_what_is_not_there_is_named(
     assert row.endswith(" | undecided | - | - | - |")
     missing = section(text, "What is missing")
     assert "- Label curves: DAgger, 4,000 labels, seed 0: no iteration 3." in missing
+    for found, bands in ((made_up, 1), (partly, 0)):
+        (legend,) = label_curves(found, BEST).legends
+        told = [text.get_text() for text in legend.get_texts()]
+        assert told.count("at most 5 points below DAgger, 4,000 labels") == bands
 
 
 def test_without_label_curves_the_report_is_as_it_was() -> None:
     text = report(experiment({"safedagger": GROWING}))
     assert "labels.png" not in text and "How many labels" not in text
+    assert "label curves" not in text.lower()
     assert text.startswith("# SafeDAgger: the result\n\nOf the ")
 
 

@@ -31,7 +31,7 @@ def test_one_sentence_says_which_gets_further(
     gap = f"{scratch - warm:+.2f}"
     assert sentence == (
         f"On D_3, {verdict}: over both conditions, from scratch minus warm is "
-        f"{gap} [{gap}, {gap}] laps, in {3 * starts} pairs of drives."
+        f"{gap} [{gap}, {gap}] laps, in {3 * starts} pairs of seed, track and start."
     )
 
 

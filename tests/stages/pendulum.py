@@ -97,3 +97,11 @@ class Pendulum(Task):
 
     def environment(self, scenario: str) -> Environment:
         return PendulumEnv(self.length, upright=scenario == "hold up")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Helped(Pendulum):
+    """By somebody who has to be asked, as a person has."""
+
+    name: ClassVar[str] = "tests.stages.pendulum:Helped"
+    can_look_up: ClassVar[bool] = False

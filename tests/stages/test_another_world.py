@@ -25,6 +25,7 @@ SAFETY = (
     f"--held-out 0.25 --hidden 8 {FIT}"
 )
 DRIVEN = f"{TASK} --workers 1"
+HELPED = DRIVEN.replace("Pendulum", "Helped")
 
 
 def collect(name: str, episodes: int) -> str:
@@ -110,6 +111,21 @@ def test_audits_are_queries_and_tell_what_looking_up_tells(house: Path) -> None:
     assert "audits" not in unaudited
 
 
+@pytest.mark.parametrize(("audit", "measured"), [(0, 0), (0.5, 0), (1, 60)])
+def test_of_what_the_safety_policy_chose_to_ask_about_nothing_is_measured(
+    house: Path, tmp_path: Path, audit: float, measured: int
+) -> None:
+    """Where nobody can be looked up, all frames that are known are those that it called unsafe."""
+    asked = f"rollout {house}/primary_0 {house}/safety_0 {tmp_path}/asked {HELPED} --frames 60"
+    metrics = tmp_path / "asked.json"
+    assert run(f"{asked} --queries 60 --audit {audit} --metrics {metrics}") == 0
+    (found,) = json.loads(metrics.read_text())["rows"]
+    assert found["frames"] == measured
+    for name in ("share_unsafe", "share_predicted_unsafe", "auroc", "calibration_error"):
+        assert (found[name] is None) == (measured == 0)
+    assert ("estimated_recall" in found) == (audit > 0)
+
+
 def test_a_safety_policy_learns_from_audits_of_other_primaries_too(house: Path) -> None:
     """What was seen where another primary drove, each of them judged anew."""
     without, with_ = (json.loads((house / f"safety_{n}/safedagger.json").read_text()) for n in "12")
@@ -126,6 +142,23 @@ def test_the_safety_policy_was_judged_by_the_measure_that_was_named(house: Path)
     assert config["measure"] == "mean-square"
     labels = Dataset.open(house / "rollout_1").lineage.own.arguments["labels"]
     assert (labels["measure"], labels["tau"]) == ("mean-square", 0.01)
+
+
+def test_where_all_is_safe_nothing_is_ranked(
+    house: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    judged, out = f"judge {house}/primary_0 {house}/safety_0 {house}/rollout_1", tmp_path / "m.json"
+    assert run(f"{judged} --tau 99 --known 0.05 --metrics {out}") == 0
+    assert "rollout_1, known to within 0.05: -\n" in capsys.readouterr().out
+    assert json.loads(out.read_text())["bounds"][0]["auroc"] is None
+
+
+def test_of_a_training_that_fails_no_curve_is_left(
+    house: Path, refused: Callable[..., str]
+) -> None:
+    """Here in a later epoch: the rate has to rise first."""
+    wild = CONV.replace("0.003", "3e38").replace("--samples 400", "--samples 4000")
+    assert "expected a lower one" in refused(f"train-primary D_0 x {wild} --curve x.csv", house)
 
 
 def test_a_primary_is_evaluated_alone(house: Path) -> None:
@@ -168,6 +201,16 @@ def test_the_second_primary_began_with_the_first(house: Path) -> None:
             f"train-safety primary_1 D_safe D_1 x {SAFETY} --audits new_1",
             "new_1: 20 of its frames are in D_1 too, expected none",
         ),
+        (
+            f"collect x {DRIVEN} --purpose D_0 --iteration 1 --episodes 1",
+            "iteration is 1 of 'D_0', expected at most 0",
+        ),
+        (
+            f"evaluate primary_1 safety_1 {HELPED} --strategies optimal --starts 1 --drives x.csv "
+            "--metrics x.json",
+            "optimal looks up the reference, which cannot be in this task, expected another rule",
+        ),
+        ("split D_0 x x --share 0.5", "x: given twice, expected a path for each output"),
         ("split D_0 x y --share 0.1", "share is 0.1 of the 4 episodes of D_0"),
         (
             "rollout primary_0 safety_0 x --tracks alder --traffic 0 --seconds 1 --workers 1",
