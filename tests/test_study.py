@@ -1,5 +1,5 @@
-"""What docs/safety-policy.md says of three seeds is what `scales/study` has found, in cards/study, and
-the label curves, in cards/curves.
+"""What docs/safety-policy.md and the README say of three seeds is what `scales/study` has found, in
+cards/study, and the label curves, in cards/curves.
 """
 
 import json
@@ -170,6 +170,37 @@ def _spread() -> list[str]:
 @pytest.mark.parametrize("row", [*_situations(), *_bounds(), *_kinds(), *_loops(), *_spread()])
 def test_the_page_has_what_was_measured(row: str) -> None:
     assert row in PAGE
+
+
+def test_the_readme_begins_with_what_was_measured() -> None:
+    curves = read_curves(ROOT / "cards" / "curves")
+
+    def of(run: str) -> dict[str, float]:
+        ends = column(curves.among(run=run, iteration=3), METRICS["success"].part)
+        spent = curves.spent[(curves.spent.run == run) & (curves.spent.iteration == 3)]
+        told = {name: spent[name].mean() for name in ("labels", "frames_driven")}
+        return {"success": 100 * ends.mean(), "failures": spent.failures.sum(), **told}
+
+    ours, fewer, control, most = map(
+        of, ("quarter2000", "quarter1000", "dagger_seldom2000", "dagger4000")
+    )
+    text = " ".join((ROOT / "README.md").read_text().partition("On Linux")[0].split())
+    assert ours["success"] == 100
+    for said in (
+        f"all of {len(curves.among(run='quarter2000', iteration=3))} laps",
+        f"with 1,000 {fewer['success']:.1f} %",
+        f"{of('dagger2000')['success']:.1f} % and {of('dagger1000')['success']:.1f} %, and "
+        f"{most['success']:.1f} % with 4,000",
+        f"{ours['labels']:,.0f} labels against DAgger's {most['labels']:,.0f}",
+        f"did {control['success']:.1f} % with 2,000 labels, {control['labels']:,.0f} in all",
+        f"it failed {control['failures']:.0f} times",
+        f"seldom {ours['failures']:.0f} times, in more frames",
+        f"({of('sized2000')['failures']:.0f} times with one",
+        f"failed {most['failures']:.0f} times with 4,000 labels",
+    ):
+        assert said in text
+    assert ours["frames_driven"] > control["frames_driven"] > 5 * most["frames_driven"]
+    assert of("seldom2000")["failures"] == of("safedagger2000")["failures"] == 0
 
 
 def test_nothing_that_was_measured_is_left_out() -> None:
