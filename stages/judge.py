@@ -74,9 +74,8 @@ def judge(
             bounds.append({"dataset": path.name, "error": error, "auroc": auroc})
     typer.echo(quality_table(rows))
     for bound in bounds:
-        typer.echo(
-            f"{bound['dataset']}, known to within {bound['error']:g}: {written(QUALITY['auroc'], bound['auroc'])}"
-        )
+        told = written(QUALITY["auroc"], bound["auroc"])
+        typer.echo(f"{bound['dataset']}, known to within {bound['error']:g}: {told}")
     if figure:
         whole = [row for row in rows if row["situation"] == judging.ALL]
         write_file(figure, png(calibration_picture(whole)))

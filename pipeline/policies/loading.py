@@ -133,9 +133,8 @@ def begun_with(primary: Path) -> str:
     began with, whether it was trained on or only drove what was learned from.
     Raises as `policy_lineage`.
     """
-    return "+".join(sorted(_first_primaries(policy_lineage(primary), {}))) or weights_sha256(
-        primary
-    )
+    first = _first_primaries(policy_lineage(primary), {})
+    return "+".join(sorted(first)) or weights_sha256(primary)
 
 
 def _first_primaries(lineage: Lineage, known: dict[str, set[str]]) -> set[str]:

@@ -113,9 +113,8 @@ def _cost(material: Material) -> dict[str, Any]:
 def _basis(material: Material) -> dict[str, Any]:
     """What was driven."""
     drives = material.driven
-    cars = drives.get(
-        "traffic", pd.Series(dtype=float)
-    )  # a column only where conditions differ in it
+    # a column only where conditions differ in it
+    cars = drives.get("traffic", pd.Series(dtype=float))
     return {
         "tracks": sorted(set(drives.scenario)),
         "starts": sorted(set(drives.groupby(["seed", "step"]).start.nunique())),

@@ -30,6 +30,7 @@ _STREAMS = {
 """The second number of every drive's seed: no two collections of an experiment meet the same random
 numbers.
 """
+_RULE = 1  # the last number of the seed of a rule's own generator
 
 
 def stream(purpose: str, iteration: int = 0) -> int:
@@ -42,9 +43,6 @@ def stream(purpose: str, iteration: int = 0) -> int:
             "its drives would be those of another purpose"
         )
     return first + iteration
-
-
-_RULE = 1  # the last number of the seed of a rule's own generator
 
 
 @dataclass(frozen=True)
