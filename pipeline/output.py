@@ -38,14 +38,15 @@ def check_place(*paths: Path | None) -> None:
     None. FileExistsError where there is something at one of them; ValueError where two are the same, a name
     is too long, a folder is a file, or cannot be written into.
     """
-    told = [path for path in paths if path]
-    for number, path in enumerate(told):
-        if path.absolute() in [before.absolute() for before in told[:number]]:
+    taken: set[Path] = set()
+    for path in filter(None, paths):
+        whole = path.absolute()
+        if whole in taken:
             raise ValueError(f"{path}: given twice, expected a path for each output")
+        taken.add(whole)
         try:
             if os.path.lexists(path):
                 raise FileExistsError(f"{path}: exists already, expected a new path")
-            whole = path.absolute()
             folder = next(parent for parent in whole.parents if os.path.lexists(parent))
             longest = max(len(os.fsencode(name)) for name in whole.relative_to(folder).parts)
             if longest > os.pathconf(folder, "PC_NAME_MAX"):

@@ -18,10 +18,9 @@ PROTOCOL = "item.protocol"
 def read(params: Path, pipeline: Path) -> "Comparison":
     """What params.yaml compares, once all of its names are known to the pipeline, a dvc.yaml.
 
-    FileNotFoundError where one of the two is missing. ValueError where a run is not one, or to be evaluated
-    by a strategy that there is not; a key of a group
-    is no option of the command that dvc.yaml expands the group in; any other name is one that dvc.yaml
-    never uses.
+    FileNotFoundError where one of the two is missing. ValueError where a run is not one, or is to
+    be evaluated by a strategy that there is not; a key of a group is no option of the command that
+    dvc.yaml expands the group in; any other name is one that dvc.yaml never uses.
     """
     from pipeline.loops import loops
     from pipeline.rollout.strategies import DRIVING

@@ -19,6 +19,7 @@ from pipeline.claims.findings import (
 )
 from pipeline.driving.metrics import METRICS
 from pipeline.evaluation.comparison import Cell, contrast, estimate, naive
+from pipeline.evaluation.drives import each_once
 from pipeline.evaluation.experiment import Experiment, mean
 from pipeline.evaluation.wording import count, in_condition, laps, seeds_in_words
 from pipeline.metric import SPENT
@@ -69,7 +70,7 @@ def drives_as_far(experiment: Experiment) -> Finding:
     and condition; does not hold where they surely do in one.
     """
     cells = []
-    once = experiment.drives.drop_duplicates("step")  # runs share the supervised stage
+    once = each_once(experiment.drives)
     driven = set(zip(once.run, once.iteration, strict=True))
     for run in experiment.runs:
         for iteration, where in product(experiment.iterations(run), experiment.conditions):

@@ -87,6 +87,12 @@ def among(drives: pd.DataFrame, **values: Any) -> pd.DataFrame:
     return drives[kept]
 
 
+def each_once(drives: pd.DataFrame) -> pd.DataFrame:
+    """Those of one run for each step of a seed: runs share the supervised stage and its drives."""
+    first = drives.groupby(["seed", "step"]).run.transform("first")
+    return drives[drives.run == first]
+
+
 def _numbers(path: Path, texts: pd.Series) -> pd.Series:
     """A column of numbers; Python's own parser keeps every bit."""
     name = str(texts.name)

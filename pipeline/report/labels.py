@@ -1,6 +1,7 @@
 """How many labels each strategy needs, from the label curves: the answers, and the numbers."""
 
 from collections.abc import Iterator
+from itertools import takewhile
 
 import pandas as pd
 
@@ -43,8 +44,8 @@ def needed(curves: Experiment, best: str) -> Iterator[str]:
     for name, family in families(curves).items():
         found = {run: against(curves, run, best).holds for run in family if run != best}
         enough = next((run for run, holds in found.items() if holds), None)
-        fewer = list(found)[: list(found).index(enough)] if enough else list(found)
-        unknown = [curves.title(run) for run in fewer if found[run] is None]
+        fewer = takewhile(lambda each: not each[1], found.items())
+        unknown = [curves.title(run) for run, holds in fewer if holds is None]
         still = f"; undecided: {', '.join(unknown)}" if unknown else ""
         if enough:
             spent = _spent(curves, enough, last(curves, enough))

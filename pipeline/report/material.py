@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pandas as pd
 
+from pipeline.evaluation.drives import each_once
 from pipeline.evaluation.experiment import Experiment, Tables
 from pipeline.evaluation.files import ErrorShares
 from pipeline.evaluation.reading import (
@@ -30,11 +31,9 @@ class Material:
 
     @cached_property
     def driven(self) -> pd.DataFrame:
-        """Every drive, each once: runs share iteration 0 and its drives."""
+        """Every drive, each once."""
         groups = (self.experiment, self.thresholds, self.scratch)
-        drives = pd.concat([group.drives for group in groups if len(group.drives)])
-        first = drives.groupby(["seed", "step"]).run.transform("first")
-        return drives[drives.run == first]
+        return each_once(pd.concat([group.drives for group in groups if len(group.drives)]))
 
 
 def read_material(metrics: Path, curves: Path | None = None) -> Material:

@@ -49,5 +49,6 @@ def _further(pairs: Tables, iteration: int) -> str:
         verdict = "which primary gets further is undecided"
     return (
         f"On D_{iteration}, {verdict}: over both conditions, from scratch minus warm is "
-        f"{interval(gap, FORMS[METRICS['laps'].form].difference)} laps, in {gap.count} pairs of seed, track and start."
+        f"{interval(gap, FORMS[METRICS['laps'].form].difference)} laps, in {gap.count} pairs "
+        "of seed, track and start."
     )

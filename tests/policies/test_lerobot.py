@@ -6,19 +6,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 import torch
-from lerobot.configs.types import FeatureType, PolicyFeature
-from lerobot.policies.act.configuration_act import ACTConfig
 from lerobot.policies.act.modeling_act import ACTPolicy
 from lerobot.policies.factory import make_pre_post_processors
-from lerobot.policies.tdmpc.configuration_tdmpc import TDMPCConfig
-from lerobot.policies.tdmpc.modeling_tdmpc import TDMPCPolicy
 
 from pipeline.data.dataset import Dataset
 from pipeline.data.images import read_all
 from pipeline.driving.task import Driving
 from pipeline.policies.computing import find_device
 from pipeline.policies.inference import Driver, propose
-from pipeline.policies.lerobot import LeRobotActor
 from pipeline.policies.loading import load_primary
 from pipeline.policies.network import SafetyNetwork
 from pipeline.rollout.recording import record_all
@@ -26,55 +21,9 @@ from pipeline.rollout.rules.mixture import Mixture
 from pipeline.rollout.rules.naive import Naive
 from tests.command import run
 from tests.devices import DEVICES
+from tests.policies.acting import MEAN, STD, frame
 from tests.stages.pendulum import Pendulum
 from tests.stages.test_another_world import DRIVEN, SAFETY, collect
-
-SHAPES = {"observation.image": (3, 32, 32), "observation.state": (3,), "action": (1,)}
-MEAN, STD = 5.0, 2.0  # of the actions that it is told to have learned
-
-
-@pytest.fixture(scope="module")
-def act(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Saved as LeRobot saves it, with its processors."""
-    path = tmp_path_factory.mktemp("policies") / "act"
-    torch.manual_seed(0)
-    kinds = (FeatureType.VISUAL, FeatureType.STATE, FeatureType.ACTION)
-    features = {
-        name: PolicyFeature(kind, shape)
-        for (name, shape), kind in zip(SHAPES.items(), kinds, strict=True)
-    }
-    config = ACTConfig(
-        input_features={name: features[name] for name in list(SHAPES)[:2]},
-        output_features={"action": features["action"]},
-        chunk_size=5,
-        n_action_steps=5,
-        dim_model=32,
-        n_heads=2,
-        dim_feedforward=64,
-        n_encoder_layers=1,
-        n_decoder_layers=1,
-        use_vae=False,
-        pretrained_backbone_weights=None,
-        device="cpu",
-        push_to_hub=False,
-    )
-    statistics = {
-        name: {"mean": torch.full(shape, MEAN), "std": torch.full(shape, STD)}
-        for name, shape in SHAPES.items()
-    }
-    statistics["observation.image"] = {n: torch.ones(3, 1, 1) for n in ("mean", "std")}
-    ACTPolicy(config).save_pretrained(path)
-    for processor in make_pre_post_processors(config, dataset_stats=statistics):
-        processor.save_pretrained(path)
-    return path
-
-
-def frame(seed: int = 0) -> dict[str, np.ndarray]:
-    rng = np.random.default_rng(seed)
-    return {
-        "observation.image": rng.integers(0, 256, (32, 32, 3), np.uint8),
-        "observation.state": rng.random(3, np.float32),
-    }
 
 
 def selected(act: Path, policy: ACTPolicy, frames: list[dict[str, np.ndarray]]) -> np.ndarray:
@@ -207,75 +156,6 @@ def test_so_is_one_of_other_shapes(act: Path, name: str) -> None:
         ValueError, match=rf"task pendulum: column '{name}' is float32 \[9\], expect"
     ):
         driver.check_task("pendulum", features)
-
-
-def test_a_module_is_read_at_its_input_or_its_output(act: Path) -> None:
-    """What ACT's last layer takes, and what it gives, which is the action on its own scale."""
-    torch.manual_seed(1)
-    seen = {
-        "observation.image": torch.randint(0, 256, (2, 32, 32, 3), dtype=torch.uint8),
-        "observation.state": torch.randn(2, 3),
-    }
-    taken, given = (
-        load_primary(act, f"model.action_head{end}").look(seen) for end in ("", ":output")
-    )
-    assert taken.shape == (2, 32 + 1) and given.shape == (2, 1 + 1)
-    assert torch.equal(taken[:, -1], given[:, -1])
-    torch.testing.assert_close(given[:, 0] * STD + MEAN, given[:, 1], rtol=1e-4, atol=1e-4)
-    another = load_primary(act, "model.encoder_robot_state_input_proj")
-    assert another.feature_size == 3 + 1
-
-
-def test_without_a_safety_policy_no_module_need_be_known(act: Path) -> None:
-    """It is driven with then, and watched by nobody."""
-    policy = ACTPolicy.from_pretrained(act).eval()
-    processors = make_pre_post_processors(policy.config, pretrained_path=str(act))
-    seen = {n: torch.from_numpy(column)[None] for n, column in frame().items()}
-    unread = LeRobotActor(policy, processors, None)
-    assert unread.feature_size == 1
-    assert torch.equal(unread.look(seen), load_primary(act).look(seen)[:, -1:])
-
-
-def test_a_policy_that_needs_a_history_is_refused(tmp_path: Path) -> None:
-    """TD-MPC, small and untrained: it stacks the frames that it has seen."""
-    config = TDMPCConfig(
-        input_features={
-            "observation.image": PolicyFeature(FeatureType.VISUAL, (3, 84, 84)),
-            "observation.state": PolicyFeature(FeatureType.STATE, (3,)),
-        },
-        output_features={"action": PolicyFeature(FeatureType.ACTION, (1,))},
-        image_encoder_hidden_dim=8,
-        mlp_dim=8,
-        latent_dim=8,
-        device="cpu",
-        push_to_hub=False,
-    )
-    TDMPCPolicy(config).save_pretrained(tmp_path)
-    ends = {n: torch.ones(1) for n in ("mean", "std", "min", "max")}
-    for processor in make_pre_post_processors(config, dataset_stats={"action": ends}):
-        processor.save_pretrained(tmp_path)
-    with pytest.raises(ValueError, match=r"a tdmpc cannot act on one frame alone .*no history$"):
-        load_primary(tmp_path)
-
-
-@pytest.mark.parametrize(
-    ("features_of", "problem"),
-    [
-        ("model.nothing", "features_of is 'model.nothing', expected a mo"),
-        ("model.action_head:middle", "features_of is 'model.action_head:middle', expected a mo"),
-        ("model.backbone:output", "where there is .*, expected a tensor"),
-    ],
-)
-def test_a_module_that_it_has_not_is_named(act: Path, features_of: str, problem: str) -> None:
-    with pytest.raises(ValueError, match=problem):
-        load_primary(act, features_of)
-
-
-def test_what_lerobot_does_not_know_is_one_line(tmp_path: Path) -> None:
-    (tmp_path / "config.json").write_text('{"type": "nothing"}')
-    with pytest.raises(ValueError, match="expected a policy of LeRobot's") as caught:
-        load_primary(tmp_path)
-    assert "\n" not in str(caught.value)
 
 
 def test_a_safety_policy_watches_it_drive(
