@@ -28,9 +28,8 @@ def compare_policies(
     """
     from pipeline.inspection.drawn import plan_to_draw, watched
     from pipeline.inspection.footage import Footage, track_of
-    from pipeline.inspection.pairs import Pair
     from pipeline.inspection.rerun_blueprints import pair_blueprint
-    from pipeline.inspection.rerun_log import log_pair
+    from pipeline.inspection.rerun_log import log_two_drives
     from pipeline.policies.computing import find_device
     from pipeline.policies.inference import Driver
     from pipeline.rollout.judgement import Judgement
@@ -55,10 +54,11 @@ def compare_policies(
                 drives.append((Footage.joined(frames), judgement))
                 told.append(f"{name}: {tally}")
         typer.echo("\n".join(told))
-        pair = Pair(
-            f"{strategy}, {plan.description}, seed {seed}: a is {primary_a.name}, b is {primary_b.name}",
+        log_two_drives(
             f"{plan.scenario}/{strategy}/{seed}/{primary_a.name}/{primary_b.name}",
+            f"{strategy}, {plan.description}, seed {seed}: a is {primary_a.name}, b is {primary_b.name}",
             track_of(plan.description),
-            *drives,
+            (drives[0], drives[1]),
+            sink.connect,
+            fps=fps,
         )
-        log_pair(pair, sink.connect, fps=fps)

@@ -23,18 +23,19 @@ def inspect(
 ) -> None:
     """Show a dataset in Rerun, a recording an episode."""
     from pipeline.data.dataset import Dataset
-    from pipeline.driving.features import ROBOT_TYPE
     from pipeline.inspection.excerpts import (
         around_takeovers,
         megabytes,
         ranked_takeovers,
         whole_episodes,
     )
+    from pipeline.inspection.footage import is_of_the_car
     from pipeline.inspection.rerun_blueprints import drive_blueprint
     from pipeline.inspection.rerun_log import log_excerpt
     from pipeline.inspection.rerun_plain import log_plain, plain_blueprint
 
     opened = Dataset.open(dataset)
+    ours = is_of_the_car(opened)
     if unsafe:
         ranked = ranked_takeovers(opened, episode)
         for rank, takeover in enumerate(ranked, 1):
@@ -44,7 +45,6 @@ def inspect(
     else:
         excerpts = whole_episodes(opened, episode)
         lengths = opened.lengths.tolist() if episode is None else [opened.lengths[episode]]
-    ours = opened.info["robot_type"] == ROBOT_TYPE
     if save and ours:
         size = megabytes(opened, sum(lengths), len(lengths))
         typer.echo(f"{len(lengths)} recordings, {sum(lengths)} frames: about {size:.0f} MB")

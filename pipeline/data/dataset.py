@@ -169,6 +169,15 @@ class Dataset:
         except ValueError as error:
             raise ValueError(f"{self.path}: {error}") from None
 
+    def require_robot_of(self, other: "Dataset") -> None:
+        """Check that it is of the same robot as another one, at the same frame rate; ValueError if not."""
+        for what in ("fps", "robot_type"):
+            if self.info[what] != other.info[what]:
+                raise ValueError(
+                    f"{self.path}: {what} is {self.info[what]}, "
+                    f"expected {other.info[what]} as in {other.path}"
+                )
+
     def columns(self, names: Iterable[str]) -> dict[str, NDArray]:
         """All rows of the columns `names`, which are no pictures: [N, *shape], of their own dtype.
 

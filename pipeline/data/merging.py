@@ -24,12 +24,7 @@ def merge(datasets: Sequence[Dataset], output: Path) -> Summary:
         raise ValueError(f"there are {len(datasets)} datasets to merge, expected at least two")
     first = datasets[0]
     for other in datasets[1:]:
-        for what in ("fps", "robot_type"):
-            if other.info[what] != first.info[what]:
-                raise ValueError(
-                    f"{other.path}: {what} is {other.info[what]}, "
-                    f"expected {first.info[what]} as in {first.path}"
-                )
+        other.require_robot_of(first)
     features = _union(datasets)
     refuse_shared(*datasets)
     pieces = [piece for dataset in datasets for piece in whole(dataset)]

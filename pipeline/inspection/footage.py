@@ -9,10 +9,11 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import KDTree
 
+from pipeline.data.dataset import Dataset
 from pipeline.data.schema import Episode
 from pipeline.driving.cars import LENGTH
 from pipeline.driving.deviation import steering
-from pipeline.driving.features import CAMERA
+from pipeline.driving.features import CAMERA, FEATURES, ROBOT_TYPE
 from pipeline.driving.tracks import LANE_WIDTH, Track, make_track
 from pipeline.rollout.judgement import Judgement
 from pipeline.rollout.loop import Frame
@@ -126,6 +127,14 @@ class Footage:
             end=end[None],
             others=[others],
         )
+
+
+def is_of_the_car(dataset: Dataset) -> bool:
+    """Whether a dataset is of the driving world; ValueError where it says so, and lacks a column of it."""
+    if dataset.info["robot_type"] != ROBOT_TYPE:
+        return False
+    dataset.require(FEATURES)
+    return True
 
 
 def track_of(task: str) -> Track:

@@ -1,74 +1,62 @@
-"""Two drives on the same track, to be seen side by side."""
+"""Two drives of the same task, to be seen side by side."""
 
 from collections import Counter
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
 from pipeline.data.dataset import Dataset
-from pipeline.data.images import read_episodes
-from pipeline.data.schema import Episode
-from pipeline.driving.features import FEATURES
-from pipeline.driving.tracks import Track
-from pipeline.inspection.excerpts import ending, judgement_of
-from pipeline.inspection.footage import Footage, track_of
-from pipeline.rollout.judgement import Judgement
-
-Side = tuple[Footage, Judgement | None]
-"""A drive, and by what its frames are judged."""
+from pipeline.inspection.excerpts import Excerpt, ending, whole_episodes
 
 
 @dataclass(frozen=True, eq=False)
 class Pair:
-    """Two drives on one track."""
+    """Two drives of one task."""
 
     title: str
     name: str
     """A short one, of this pair only."""
-    track: Track
-    a: Side
-    b: Side
+    a: Excerpt
+    b: Excerpt
 
 
-def pairs(a: Dataset, b: Dataset, number: int = 0) -> list[Pair]:
-    """Of two datasets: a pair for every track that both have, in the order of `a`. `number` is which of
-    the drives on a track, 0 the first. Where the two began on the track is up to them.
+def pairs(
+    a: Dataset, b: Dataset, number: int = 0, *, place: Callable[[str], str] = str
+) -> Iterator[Pair]:
+    """Of two datasets: a pair for every task that both have, in the order of `a`, read one at a time.
 
-    In memory are the images of one drive on each track of either dataset, 35 kB each. ValueError for
-    other frame rates or another robot's, and where there are no such drives on any track.
+    `number` is which of the drives of a task, 0 the first. Tasks are the same where `place` makes the
+    same of their words. ValueError, at once, for other frame rates or another robot's, and where there
+    are no such drives of any task.
     """
-    for dataset in (a, b):
-        dataset.require(FEATURES)
-    if a.fps != b.fps:
-        raise ValueError(
-            f"{b.path} has {b.fps} frames per second, expected the {a.fps} of {a.path}"
-        )
-    of_a, of_b = _on_each_track(a, number), _on_each_track(b, number)
-    found = []
-    for track in [track for track in of_a if track in of_b]:
-        (i, drive_a), (j, drive_b) = of_a[track], of_b[track]
-        title = (
-            f"{track}: a is {a.path.name}, episode {i}{ending(a, i)}; "
-            f"b is {b.path.name}, episode {j}{ending(b, j)}"
-        )
-        name = f"{track}/{a.path.name}_{i}/{b.path.name}_{j}"
-        sides = _side(a, drive_a), _side(b, drive_b)
-        found.append(Pair(title, name, track_of(drive_a.task), *sides))
-    if not found:
-        raise ValueError(f"{a.path} and {b.path} have no drive {number} on a track that is in both")
-    return found
+    b.require_robot_of(a)
+    of_a, of_b = (_of_each_task(dataset, number, place) for dataset in (a, b))
+    both = [task for task in of_a if task in of_b]
+    if not both:
+        raise ValueError(f"{a.path} and {b.path} have no drive {number} of a task that is in both")
+    return (_pair(task, (a, of_a[task]), (b, of_b[task])) for task in both)
 
 
-def _side(dataset: Dataset, drive: Episode) -> Side:
-    judgement = judgement_of(dataset, drive)
-    return Footage.of_episode(drive, judgement=judgement), judgement
+Which = tuple[Dataset, int]
+"""A dataset, and the number of one of its episodes."""
 
 
-def _on_each_track(dataset: Dataset, number: int) -> dict[str, tuple[int, Episode]]:
-    """By the name of the track: the drive on it, and its number in the dataset."""
-    chosen: dict[int, str] = {}
+def _pair(task: str, a: Which, b: Which) -> Pair:
+    (of_a, i), (of_b, j) = a, b
+    return Pair(
+        f"{task}: a is {of_a.path.name}, episode {i}{ending(of_a, i)}; "
+        f"b is {of_b.path.name}, episode {j}{ending(of_b, j)}",
+        f"{task}/{of_a.path.name}_{i}/{of_b.path.name}_{j}",
+        next(whole_episodes(of_a, i)),
+        next(whole_episodes(of_b, j)),
+    )
+
+
+def _of_each_task(dataset: Dataset, number: int, place: Callable[[str], str]) -> dict[str, int]:
+    """By task: which episode is its drive of that number."""
+    found: dict[str, int] = {}
     before: Counter[str] = Counter()
-    for i, task in enumerate(dataset.tasks):
-        track = track_of(task).name
-        if before[track] == number:
-            chosen[i] = track
-        before[track] += 1
-    return {chosen[i]: (i, episode) for i, episode in read_episodes(dataset, chosen)}
+    for episode, task in enumerate(map(place, dataset.tasks)):
+        if before[task] == number:
+            found[task] = episode
+        before[task] += 1
+    return found

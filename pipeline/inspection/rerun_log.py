@@ -19,9 +19,13 @@ from pipeline.rollout.judgement import Judgement
 APPLICATION = "safedagger"
 BLUE, LIGHT_BLUE, RED, ORANGE = 0x0072B2FF, 0x56B4E9FF, 0xD55E00FF, 0xE69F00FF
 GREEN, PINK, GREY = 0x009E73FF, 0xCC79A7FF, 0x999999FF
+SIDES = (BLUE, RED), (LIGHT_BLUE, ORANGE)  # where the primary drives, and the reference
 
 Connect = Callable[[rr.RecordingStream], None]
 """Connects a new stream to the place where its recording shall go."""
+
+Side = tuple[Footage, Judgement | None]
+"""A drive, and by what its frames are judged."""
 
 
 def log_excerpt(excerpt: Excerpt, connect: Connect, *, fps: int) -> None:
@@ -35,10 +39,22 @@ def log_excerpt(excerpt: Excerpt, connect: Connect, *, fps: int) -> None:
 
 
 def log_pair(pair: Pair, connect: Connect, *, fps: int) -> None:
-    """Send two drives on one track as one recording, under a/ and b/; else as `log_excerpt`."""
-    drives = {"a/": (*pair.a, (BLUE, RED)), "b/": (*pair.b, (LIGHT_BLUE, ORANGE))}
-    with new_recording(pair.name, pair.title, pair.track, connect) as recording:
-        for root, (footage, judgement, colors) in drives.items():
+    """Send two episodes of one track as one recording; else as `log_excerpt`, and see `log_two_drives`."""
+    a, b = (
+        (Footage.of_episode(each.episode, each.first_frame, each.judgement), each.judgement)
+        for each in (pair.a, pair.b)
+    )
+    track = track_of(pair.a.episode.task)
+    log_two_drives(pair.name, pair.title, track, (a, b), connect, fps=fps)
+
+
+def log_two_drives(
+    name: str, title: str, track: Track, drives: tuple[Side, Side], connect: Connect, *, fps: int
+) -> None:
+    """Send two drives on one track as one recording, under a/ and b/."""
+    with new_recording(name, title, track, connect) as recording:
+        for root, drive, colors in zip(("a/", "b/"), drives, SIDES, strict=True):
+            footage, judgement = drive
             send = drive_tracer(recording, fps=fps, judgement=judgement, root=root, colors=colors)
             send(footage)
 

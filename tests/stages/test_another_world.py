@@ -51,6 +51,7 @@ LOOP = (
     "errors primary_0 D_0 D_safe --tau 0.01 --measure mean-square --share 0.7 "
     "--figure errors.png --metrics errors.json",
     "inspect rollout_1 --save rollout_1.rrd",
+    "compare rollout_1 D_0 --save compared_1.rrd",
     "contact-sheet rollout_1 sheet_1.png --frames 3",
     f"rollout primary_1 safety_1 rollout_2 {DRIVEN} --iteration 2 --queries 40 --audit 1 "
     "--metrics rollout_2.json",
@@ -220,7 +221,7 @@ def test_the_second_primary_began_with_the_first(house: Path) -> None:
             f"rollout-dagger primary_1 x {DRIVEN} --beta 0 --frames 9 --iteration 2 --hold 5",
             "hold is 5, expected at most 1: the chunk of this primary",
         ),
-        ("compare rollout_1 rollout_1", "'observation.images.front' is missing"),
+        ("compare rollout_1 D_0 --drive 4", "no drive 4 of a task that is in both"),
         (
             "contact-sheet rollout_1 x.png --frames 1 --camera observation.images.wrist",
             "rollout_1: has no camera 'observation.images.wrist', expected one of observation.image",

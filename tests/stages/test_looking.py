@@ -1,6 +1,7 @@
 """The commands that show something, each into a file."""
 
 import json
+import shutil
 from collections.abc import Callable
 from pathlib import Path
 
@@ -11,6 +12,7 @@ from PIL import Image
 from pipeline.data.dataset import Dataset
 from pipeline.inspection.excerpts import ranked_takeovers
 from tests.command import run
+from tests.data.spoiling import drop_column
 from tests.drives import save_untrained
 from tests.episodes import random_episode, write
 from tests.inspection.saved import column, origins, recordings
@@ -191,3 +193,13 @@ def test_nonsense_is_one_line(
     typed: str, named: str, made: Path, refused: Callable[..., str]
 ) -> None:
     assert named in refused(typed, made)
+
+
+def test_a_car_that_lacks_a_column_is_one_line(
+    made: Path, tmp_path: Path, refused: Callable[..., str]
+) -> None:
+    lacking = tmp_path / "lacking"
+    shutil.copytree(made / "a", lacking)
+    drop_column("affordances")(lacking)
+    for typed in (f"inspect {lacking}", f"compare {made / 'a'} {lacking}"):
+        assert "lacking: column 'affordances' is missing" in refused(typed)
