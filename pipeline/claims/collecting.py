@@ -15,15 +15,15 @@ from pipeline.evaluation.comparison import RESAMPLING_SEED, Contrast
 from pipeline.evaluation.drives import among
 from pipeline.evaluation.experiment import Experiment
 from pipeline.evaluation.statistics import ratio_of_sums
-from pipeline.evaluation.wording import FORMS, count, interval, share
+from pipeline.evaluation.wording import FORMS, count, interval, seeds_in_words, share
 
 UNCOUNTED = "not measured: its ledgers do not count failures"
 
 
 def is_unharmed(experiment: Experiment, run: str) -> Finding:
-    """No failure in the whole loop, on any seed; does not hold where there is one."""
+    """No failure in the whole loop, on any seed that counts them; does not hold where there is one."""
     loop = _loop(experiment, run)
-    if loop is None:
+    if loop.empty:
         return unknown(UNCOUNTED)
     failures, told = loop.failures.sum(), _in_words(loop)
     kinds = ", ".join(f"{kind.title} {count(loop[kind.part].sum())}" for kind in KINDS.values())
@@ -32,28 +32,40 @@ def is_unharmed(experiment: Experiment, run: str) -> Finding:
 
 
 def fails_less_often(experiment: Experiment, run: str, rival: str) -> Finding:
-    """A run has surely fewer failures per frame driven than a rival, or surely not.
+    """A run has surely fewer failures per frame driven than a rival, or surely not, on the seeds that
+    count them for both.
 
     On one seed by the exact interval of its share of all failures, beside its share of the frames
     (of two Poisson counts, one is binomial given their sum); on several by that of the difference,
     resampled by seed and iteration. Open where there is no failure at all.
     """
-    mine, theirs = (_loop(experiment, each) for each in (run, rival))
-    if mine is None or theirs is None:
+    mine, theirs = _on_shared_seeds(_loop(experiment, run), _loop(experiment, rival))
+    if mine.empty:
         return unknown(UNCOUNTED)
-    both = f"{experiment.title(run)}: {_in_words(mine)}; {experiment.title(rival)}: {_in_words(theirs)}"
+    told = f"{experiment.title(run)}: {_in_words(mine)}; {experiment.title(rival)}: {_in_words(theirs)}"
+    seeds = _seeds(mine)
+    words = f"({seeds_in_words(seeds)})"
     if not mine.failures.sum() + theirs.failures.sum():
-        return Finding(None, "no failure in either", both)
-    compared = _exact if len(experiment.seeds) == 1 else _resampled
-    holds, told = compared(mine, theirs)
-    return Finding(holds, told, f"{both}; {told}")
+        return Finding(None, f"no failure in either {words}", told)
+    holds, found = (_exact if len(seeds) == 1 else _resampled)(mine, theirs)
+    return Finding(holds, f"{found} {words}", f"{told}; {found}")
 
 
-def _loop(experiment: Experiment, run: str) -> pd.DataFrame | None:
-    """The ledgers of its iterations by seed and iteration; None where one does not count failures."""
+def _loop(experiment: Experiment, run: str) -> pd.DataFrame:
+    """The ledgers of its iterations by seed and iteration, of the seeds where each counts failures."""
     whole = list(experiment.specs[run].iterations)
-    found = among(experiment.ledgers, run=run, iteration=whole).set_index(["seed", "iteration"])
-    return None if found.empty or found.failures.isna().any() else found
+    found = among(experiment.ledgers, run=run, iteration=whole)
+    counted = found.groupby("seed").failures.transform(lambda failures: failures.notna().all())
+    return found[counted.astype(bool)].set_index(["seed", "iteration"])
+
+
+def _on_shared_seeds(*loops: pd.DataFrame) -> list[pd.DataFrame]:
+    shared = set.intersection(*(set(_seeds(loop)) for loop in loops))
+    return [loop[loop.index.isin(shared, level="seed")] for loop in loops]
+
+
+def _seeds(loop: pd.DataFrame) -> list[int]:
+    return sorted(loop.index.unique("seed"))
 
 
 def _in_words(loop: pd.DataFrame) -> str:
@@ -61,8 +73,8 @@ def _in_words(loop: pd.DataFrame) -> str:
     failures, frames, drives = loop[["failures", "frames_driven", "drives"]].sum()
     most = chi2.ppf(0.95, 2 * (failures + 1)) / 2 * 1000 / frames
     return (
-        f"{count(failures)} failures in {count(frames)} frames of {count(drives)} drives, "
-        f"{most:.2g} in 1,000 frames at most (upper 95 % bound)"
+        f"{count(failures)} failure{'s' * (failures != 1)} in {count(frames)} frames of {count(drives)} drives "
+        f"({seeds_in_words(_seeds(loop))}), {most:.2g} in 1,000 frames at most (upper 95 % bound)"
     )
 
 

@@ -60,8 +60,8 @@ def test_no_failure_holds_with_what_it_leaves_possible() -> None:
     found = is_unharmed(experiment({"safedagger": failing(GROWING, 0, 0, 0)}), "safedagger")
     assert found == Finding(
         True,
-        "0 failures in 3,000 frames of 12 drives, 1 in 1,000 frames at most (upper 95 % bound)",
-        "0 failures in 3,000 frames of 12 drives, 1 in 1,000 frames at most (upper 95 % bound) "
+        "0 failures in 3,000 frames of 12 drives (seed 0), 1 in 1,000 frames at most (upper 95 % bound)",
+        "0 failures in 3,000 frames of 12 drives (seed 0), 1 in 1,000 frames at most (upper 95 % bound) "
         "(road left 0, touches 0, stood still 0; put back 0)",
     )
 
@@ -71,7 +71,9 @@ def test_a_failure_on_one_seed_is_one_too_many() -> None:
     once = {"failures": 1, "failures.road_left": 1, "put_back": 1}
     found = is_unharmed(reckoned(made_up, once, seed=1, iteration=2), "safedagger")
     assert found.holds is False
-    assert found.evidence.startswith("1 failures in 6,000 frames of 24 drives, 0.79 in 1,000")
+    assert found.evidence.startswith(
+        "1 failure in 6,000 frames of 24 drives (seeds 0, 1), 0.79 in 1,000"
+    )
     assert found.evidence.endswith("(road left 1, touches 0, stood still 0; put back 1)")
 
 
@@ -86,9 +88,14 @@ def test_the_bound_is_the_rate_at_which_so_few_are_rare(failures: int) -> None:
 def test_on_one_seed_the_share_of_failures_is_set_against_that_of_frames() -> None:
     found = compared((0, 1, 0), (5, 6, 8))
     assert found.holds is True
-    assert found.observed == "1 of 20 failures [0.1 %, 24.9 %] in 50.0 % of the frames of both"
-    assert found.evidence.startswith("SafeDAgger: 1 failures in 3,000 frames of 12 drives, ")
-    assert "; DAgger: 19 failures in 3,000 frames of 12 drives, " in found.evidence
+    assert (
+        found.observed
+        == "1 of 20 failures [0.1 %, 24.9 %] in 50.0 % of the frames of both (seed 0)"
+    )
+    assert found.evidence.startswith(
+        "SafeDAgger: 1 failure in 3,000 frames of 12 drives (seed 0), "
+    )
+    assert "; DAgger: 19 failures in 3,000 frames of 12 drives (seed 0), " in found.evidence
     assert compared((5, 6, 8), (0, 1, 0)).holds is False
     assert compared((0, 1, 0), (1, 1, 1)).holds is None
 
@@ -106,23 +113,45 @@ def test_on_several_seeds_by_seed_and_iteration() -> None:
     found = compared((0, 1, 0), (5, 6, 8), seeds=2)
     assert found.holds is True
     assert found.observed.startswith("0.333 against 6.33 in 1,000 frames (-6 [")
-    assert found.observed.endswith(", 6 pairs)")
+    assert found.observed.endswith(", 6 pairs) (seeds 0, 1)")
     assert compared((5, 6, 8), (0, 1, 0), seeds=2).holds is False
     assert compared((0, 9, 0), (5, 0, 8), seeds=2).holds is None
 
 
 def test_where_nothing_failed_nothing_is_less() -> None:
-    for seeds in (1, 2):
+    for seeds, words in ((1, "seed 0"), (2, "seeds 0, 1")):
         found = compared((0, 0, 0), (0, 0, 0), seeds=seeds)
-        assert (found.holds, found.observed) == (None, "no failure in either")
+        assert (found.holds, found.observed) == (None, f"no failure in either ({words})")
 
 
-@pytest.mark.parametrize("seeds", [1, 2])
-def test_ledgers_that_do_not_count_failures_leave_it_open(seeds: int) -> None:
-    made_up = experiment(GOOD, seeds=seeds, starts=1)
-    older = {"failures": np.nan, "put_back": np.nan, "failures.touches": np.nan}
-    older_one = reckoned(made_up, older, run="dagger", iteration=2, seed=seeds - 1)
-    assert is_unharmed(older_one, "dagger").observed == UNCOUNTED
-    assert is_unharmed(older_one, "safedagger").holds is True
-    assert fails_less_often(older_one, "safedagger", "dagger").observed == UNCOUNTED
-    assert fails_less_often(older_one, "dagger", "safedagger").observed == UNCOUNTED
+OLDER = {"failures": np.nan, "put_back": np.nan, "failures.touches": np.nan}
+
+
+def test_ledgers_that_do_not_count_failures_leave_it_open() -> None:
+    made_up = experiment(GOOD, starts=1)
+    older = reckoned(made_up, OLDER, run="dagger", iteration=2)
+    assert is_unharmed(older, "dagger") == Finding(None, UNCOUNTED, UNCOUNTED)
+    assert is_unharmed(older, "safedagger").holds is True
+    assert fails_less_often(older, "safedagger", "dagger").observed == UNCOUNTED
+    assert fails_less_often(older, "dagger", "safedagger").observed == UNCOUNTED
+
+
+def test_a_seed_that_counts_failures_is_judged_without_one_that_does_not() -> None:
+    """Such as one that was run before they were counted; of two runs, where both count them."""
+    table: Table = {
+        "safedagger": failing(GROWING, 0, 1, 0),
+        "dagger": failing(SLOW, 5, 6, 8),
+    }
+    three = experiment(table, seeds=3, starts=1)
+    older = reckoned(three, OLDER, run="dagger", iteration=2, seed=2)
+    unharmed = is_unharmed(older, "dagger")
+    assert unharmed.observed.startswith("38 failures in 6,000 frames of 24 drives (seeds 0, 1), ")
+    assert " (seeds 0, 1, 2), " in is_unharmed(older, "safedagger").observed
+    two = fails_less_often(experiment(table, seeds=2, starts=1), "safedagger", "dagger")
+    assert fails_less_often(older, "safedagger", "dagger") == two
+    both = reckoned(older, OLDER, run="safedagger", iteration=1, seed=0)
+    alone = fails_less_often(both, "safedagger", "dagger")
+    assert (
+        alone.observed
+        == "1 of 20 failures [0.1 %, 24.9 %] in 50.0 % of the frames of both (seed 1)"
+    )

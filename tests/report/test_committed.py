@@ -1,7 +1,9 @@
-"""What is committed of the report is what the committed metrics say."""
+"""The committed report says what the committed metrics say, and the README what the report says."""
 
+import re
 from pathlib import Path
 
+import pandas as pd
 import pytest
 
 from tests.command import run
@@ -24,3 +26,62 @@ def test_the_committed_report_is_a_fresh_one(
     assert fresh == (ROOT / "cards/report.md").read_text()
     drawn = {path.name for path in (tmp_path / "cards/figures").iterdir()}
     assert drawn == {path.name for path in (ROOT / "cards/figures").iterdir()}
+
+
+RUNS = {  # what the README's table calls them
+    "DAgger, 3": ("DAgger", "3"),
+    "DAgger at equal queries, 3": ("DAgger, SafeDAgger's queries", "3"),
+    "supervised, 3": ("supervised", "3"),
+}
+
+
+def test_the_readme_has_the_iterations_of_the_report() -> None:
+    report = (ROOT / "cards/report.md").read_text()
+    laps, driven, asked = (
+        {
+            (run, iteration): cells
+            for run, iteration, *cells in _rows(report, f"Run | Iteration | {of}")
+        }
+        for of in ("Laps, naive", "Takeover, safe", "Queries so far")
+    )
+    shown = _rows((ROOT / "README.md").read_text(), "iteration")
+    assert len(shown) == 7
+    for name, *cells in shown:
+        at = RUNS.get(name, ("SafeDAgger", name[0]))
+        assert cells == [*laps[at][:2], driven[at][0], asked[at][0]]
+
+
+def test_the_readme_has_what_the_verdicts_observed() -> None:
+    report = (ROOT / "cards/report.md").read_text()
+    said = " ".join((ROOT / "README.md").read_text().split())
+    evidence = dict(re.findall(r"^(\d+)\. (.*)$", report, re.MULTILINE))
+    less = r"iterations 1 to 3 against DAgger's: ([\d.]+ %) against ([\d.]+ %)"
+    ours, theirs = re.findall(less, evidence["6"])[-1]
+    assert f"{ours} of the time against {theirs} after DAgger, over iterations 1 to 3" in said
+    counted = (
+        re.findall(r"^(\d+) failures? in ([\d,]+) frames", evidence[claim])
+        for claim in ("16", "17", "18")
+    )
+    [(once, frames)], [(many, more)], [(some, fewer)] = counted
+    assert once == "1" and f"once in {frames} frames" in said
+    assert f"failed {many} times in {more}, and {some} times in {fewer}" in said
+
+
+def test_the_readme_has_what_an_optimal_safety_policy_would_leave_to_the_reference() -> None:
+    found = []
+    for run in ("safedagger", "dagger"):
+        files = (ROOT / "cards/metrics").glob(f"seed_*/drives_{run}_[123].csv")
+        drives = pd.concat(map(pd.read_csv, files))
+        asked = drives[(drives.strategy == "optimal") & (drives.traffic > 0)]
+        found.append(100 * asked.takeover_frames.sum() / asked.frames.sum())
+    said = " ".join((ROOT / "README.md").read_text().split())
+    assert "would make it {:.1f} and {:.1f} %".format(*found) in said
+
+
+def _rows(page: str, begins: str) -> list[list[str]]:
+    """The cells of the table whose head begins like this, without intervals."""
+    table = page.partition(f"\n| {begins}")[2].partition("\n\n")[0]
+    return [
+        [re.sub(r" \[[^]]*\]", "", cell).strip() for cell in line.strip("| ").split("|")]
+        for line in table.splitlines()[2:]
+    ]
