@@ -69,8 +69,8 @@ def test_the_readme_has_what_the_verdicts_observed() -> None:
 
 def test_the_readme_has_what_an_optimal_safety_policy_would_leave_to_the_reference() -> None:
     found = []
-    for run in ("safedagger", "dagger"):
-        files = (ROOT / "cards/metrics").glob(f"seed_*/drives_{run}_[123].csv")
+    for loop in ("safedagger", "dagger"):
+        files = (ROOT / "cards/metrics").glob(f"seed_*/drives_{loop}_[123].csv")
         drives = pd.concat(map(pd.read_csv, files))
         asked = drives[(drives.strategy == "optimal") & (drives.traffic > 0)]
         found.append(100 * asked.takeover_frames.sum() / asked.frames.sum())
