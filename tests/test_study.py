@@ -13,7 +13,7 @@ import pytest
 
 from pipeline.driving.metrics import METRICS
 from pipeline.evaluation.drives import column
-from pipeline.evaluation.reading import read_curves
+from pipeline.evaluation.reading import read_reliability
 
 ROOT = Path(__file__).parents[1]
 PAGE = (ROOT / "docs" / "safety-policy.md").read_text()
@@ -137,7 +137,7 @@ def _of_loop(kind: str, run: str, key: str) -> list[list[float]]:
 
 
 def _loops() -> list[str]:
-    curves, rows = read_curves(ROOT / "cards" / "curves"), []
+    curves, rows = read_reliability(ROOT / "cards" / "curves"), []
     for run, words in LOOPS.items():
         shares = (
             f"{', '.join(f'{100 * mean(of):.0f}' for of in _of_loop('rollout', run, key))} %"
@@ -157,7 +157,7 @@ def _loops() -> list[str]:
 
 def _spread() -> list[str]:
     """What comes of it, beside DAgger."""
-    curves, rows = read_curves(ROOT / "cards" / "curves"), []
+    curves, rows = read_reliability(ROOT / "cards" / "curves"), []
     for run, words in SPREAD.items():
         spent = curves.spent[(curves.spent.run == run) & (curves.spent.iteration == 3)]
         ends = column(curves.among(run=run, iteration=3), METRICS["success"].part)
@@ -173,7 +173,7 @@ def test_the_page_has_what_was_measured(row: str) -> None:
 
 
 def test_the_readme_begins_with_what_was_measured() -> None:
-    curves = read_curves(ROOT / "cards" / "curves")
+    curves = read_reliability(ROOT / "cards" / "curves")
 
     def of(run: str) -> dict[str, float]:
         ends = column(curves.among(run=run, iteration=3), METRICS["success"].part)

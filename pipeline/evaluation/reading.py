@@ -49,14 +49,14 @@ def read_experiment(metrics: Path) -> Experiment:
     return found
 
 
-def read_curves(curves: Path) -> Experiment:
+def read_reliability(metrics: Path) -> Experiment:
     """Read how reliable the primaries are, and what they cost: seed_<n>/reliability_<run>_<i>.csv, ...
 
     Drives are naive. Of a seed that is only partly done there is what is there; what its ledgers do
     not tell is NaN. Empty where there are none. Left out is the same as in `read_experiment`. ValueError
     where a file does not hold what it should, or there are drives of a run that nobody knows.
     """
-    return _read(curves, _RELIABILITY, _relied_on, _ledger_if_any)
+    return _read(metrics, _RELIABILITY, _relied_on, _ledger_if_any)
 
 
 def read_thresholds(metrics: Path) -> Tables:
@@ -185,7 +185,7 @@ def _steps(folder: Path, seed: int, run: str, iterations: list[int], spec: Run) 
 def _relied_on(
     folder: Path, seed: int, run: str, iterations: list[int], spec: Run
 ) -> Iterator[Tables]:
-    """Of one run of the label curves; where nothing is collected, nothing is asked."""
+    """Of one run; where nothing is collected, nothing is asked."""
     for iteration in range(max(iterations) + 1):
         name = f"{run}_{iteration}" if iteration or 0 in iterations else FIRST
         at = _at(seed, run, iteration, name)

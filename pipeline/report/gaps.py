@@ -17,7 +17,7 @@ def gaps(material: Material, pictures: Mapping[str, Mapping[int, str]]) -> list[
     """One line for each thing that is missing; `pictures` are those that each seed should have, title to
     seed to place.
     """
-    experiment, curves = material.experiment, material.curves
+    experiment, curves, relied_on = material.experiment, material.curves, material.relied_on
     wanted = {run: range(len(experiment.specs[run].iterations) + 1) for run in experiment.runs}
     ends = {run: (0, last(curves, run)) for run in curves.specs}
     return [
@@ -36,6 +36,12 @@ def gaps(material: Material, pictures: Mapping[str, Mapping[int, str]]) -> list[
             for seed in experiment.seeds
             if seed not in places
         ),
+        *(
+            f"Reliability, seed {seed}: not measured."
+            for seed in experiment.seeds
+            if seed not in relied_on.seeds
+        ),
+        *(f"Reliability: {each}" for each in relied_on.left_out if each not in experiment.left_out),
         *(
             f"Label curves: {each}"
             for each in (

@@ -7,23 +7,22 @@ import pandas as pd
 
 from pipeline.claims.labels import against
 from pipeline.driving.metrics import METRICS
-from pipeline.evaluation.comparison import contrast, estimate, naive
-from pipeline.evaluation.curves import ended, families, last, success
+from pipeline.evaluation.comparison import contrast, naive
+from pipeline.evaluation.curves import ended, families, last
 from pipeline.evaluation.drives import among
 from pipeline.evaluation.experiment import Experiment
 from pipeline.evaluation.statistics import exact
 from pipeline.evaluation.wording import (
     FORMS,
     NOTHING,
-    brief_interval,
     count,
     interval,
     pair,
-    share,
     table,
     written,
 )
 from pipeline.metric import COLLECTED
+from pipeline.report.tables import NAIVE, estimates, successes
 
 COST = ("failures", "calls", "call_length")
 HEADER = (
@@ -81,7 +80,7 @@ def by_seed(curves: Experiment) -> str:
     for run in ended(curves):
         for seed in curves.seeds_of(run, last(curves, run)):
             of_seed = curves.of_seeds(seed)
-            rows.append([curves.title(run), str(seed), _success(of_seed, run, last(curves, run))])
+            rows.append([curves.title(run), str(seed), successes(of_seed, run, last(curves, run))])
     return table(["Run", "Seed", "Success"], rows)
 
 
@@ -96,26 +95,16 @@ def _answer(curves: Experiment, run: str, best: str) -> str:
 def _row(curves: Experiment, title: str, run: str, iteration: int, answer: str) -> list[str]:
     drives = curves.among(run=run, iteration=iteration)
     spent = _spent(curves, run, iteration)
-    failures = [
-        estimate(curves, "failures", naive(curves, run, iteration, where))
-        for where in curves.conditions
-    ]
-    amount = FORMS[METRICS["failures"].form].value
     return [
         title,
         f"{len(drives)}, {drives.seed.nunique()}",
         count(spent.queries),
         count(spent.labels),
-        _success(curves, run, iteration),
-        pair(brief_interval(found, amount) for found in failures),
+        successes(curves, run, iteration),
+        pair(estimates(curves, "failures", run, iteration, NAIVE)),
         answer,
         *(written(COLLECTED[name], spent[name]) for name in COST),
     ]
-
-
-def _success(curves: Experiment, run: str, iteration: int) -> str:
-    found = [success(curves, run, iteration, where) for where in curves.conditions]
-    return pair(brief_interval(each, share) for each in found)
 
 
 def _spent(curves: Experiment, run: str, iteration: int) -> "pd.Series[float]":

@@ -11,9 +11,9 @@ from pipeline.evaluation.drives import each_once
 from pipeline.evaluation.experiment import Experiment, Tables
 from pipeline.evaluation.files import ErrorShares
 from pipeline.evaluation.reading import (
-    read_curves,
     read_errors,
     read_experiment,
+    read_reliability,
     read_scratch,
     read_thresholds,
 )
@@ -28,6 +28,8 @@ class Material:
     scratch: Tables
     errors: Mapping[int, ErrorShares]
     curves: Experiment
+    relied_on: Experiment
+    """the experiment's own primaries, on the tracks of the curves; of the seeds where that was measured"""
 
     @cached_property
     def driven(self) -> pd.DataFrame:
@@ -46,5 +48,6 @@ def read_material(metrics: Path, curves: Path | None = None) -> Material:
         read_thresholds(metrics),
         read_scratch(metrics, experiment),
         {seed: of for seed, of in read_errors(metrics).items() if seed in experiment.seeds},
-        read_curves(curves) if curves else Experiment(specs={}),
+        read_reliability(curves) if curves else Experiment(specs={}),
+        read_reliability(metrics),
     )

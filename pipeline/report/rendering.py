@@ -74,6 +74,7 @@ def render_report(material: Material, pictures: Pictures) -> str:
         limits=limits,
         gaps=gaps(material, pictures.by_seed),
         curves=material.curves,
+        relied_on=material.relied_on,
         best=yardstick(material.curves),
         labels=labels,
         label_margin=LABEL_MARGIN,

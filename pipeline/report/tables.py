@@ -6,6 +6,7 @@ import pandas as pd
 
 from pipeline.driving.metrics import KINDS, METRICS
 from pipeline.evaluation.comparison import Cell, estimate
+from pipeline.evaluation.curves import success
 from pipeline.evaluation.drives import among
 from pipeline.evaluation.experiment import HELD_OUT, ROLLOUT, Experiment, Tables, mean
 from pipeline.evaluation.files import ErrorShares
@@ -48,6 +49,26 @@ def driving(experiment: Experiment, metric: str) -> str:
             yield pair(count(group.primary_frames.sum()) for group in _groups(experiment, here))
 
     return _by_iteration(experiment, experiment.runs, header, cells)
+
+
+def reliability(relied_on: Experiment) -> str:
+    """How far the primaries can be relied on alone, and on how many drives and seeds that rests."""
+
+    def cells(run: str, iteration: int) -> Iterator[str]:
+        drives = relied_on.among(run=run, iteration=iteration)
+        yield f"{len(drives)}, {drives.seed.nunique()}"
+        yield successes(relied_on, run, iteration)
+        yield pair(estimates(relied_on, "failures", run, iteration, NAIVE))
+
+    titles = (METRICS[name].title for name in ("success", "failures"))
+    header = ["Drives, seeds", *(f"{title}, naive" for title in titles)]
+    return _by_iteration(relied_on, relied_on.runs, header, cells)
+
+
+def successes(relied_on: Experiment, run: str, iteration: int) -> str:
+    """In each condition, with its interval."""
+    found = (success(relied_on, run, iteration, where) for where in relied_on.conditions)
+    return pair(brief_interval(each, share) for each in found)
 
 
 def cost(experiment: Experiment) -> str:

@@ -8,7 +8,7 @@ import pytest
 from pipeline.evaluation.curves import families, success, yardstick
 from pipeline.evaluation.drives import among
 from pipeline.evaluation.experiment import Experiment
-from pipeline.evaluation.reading import read_curves
+from pipeline.evaluation.reading import read_reliability
 from pipeline.evaluation.statistics import exact
 from pipeline.evaluation.writing import write_metrics
 from tests.evaluation.made_up_curves import SPECS, counted, curves, write_seed
@@ -18,7 +18,7 @@ def test_what_was_driven_and_asked_is_read_of_every_seed(tmp_path: Path) -> None
     of_loop = [f"{run}_{i}" for run in ("safedagger500", "training") for i in (1, 2, 3)]
     for seed in (0, 3):
         write_seed(tmp_path / f"seed_{seed}", "0", *of_loop)
-    found = read_curves(tmp_path)
+    found = read_reliability(tmp_path)
     assert (found.seeds, found.runs) == ([0, 3], ["safedagger500", "training"])
     assert found.iterations("training") == [0, 1, 2, 3]
     assert len(found.among(run="training", iteration=3, seed=3)) == 4
@@ -33,7 +33,7 @@ def test_of_a_seed_that_is_partly_done_there_is_what_is_there(tmp_path: Path) ->
     folder = write_seed(tmp_path / "seed_0", "0", *(f"dagger4000_{i}" for i in (1, 2, 3)))
     (folder / "ledger_D_dagger4000_2.json").unlink()
     write_seed(tmp_path / "seed_1", "0", "dagger4000_1", "dagger500_3", ledgers=False)
-    found = read_curves(tmp_path)
+    found = read_reliability(tmp_path)
     assert found.seeds_of("dagger4000", 1) == [0, 1]
     assert found.seeds_of("dagger4000", 3) == [0]
     assert found.iterations("dagger500") == [0, 3]
@@ -49,7 +49,7 @@ def test_a_run_that_sets_something_aside_begins_for_itself(tmp_path: Path) -> No
     for step in (0, 1):
         file = folder / f"reliability_aside1000_{step}.csv"
         file.write_text(file.read_text().replace("0" * 64, "a" * 64))
-    found = read_curves(tmp_path)
+    found = read_reliability(tmp_path)
     assert found.runs == ["dagger500", "aside1000"] and not found.left_out
     assert set(found.among(run="aside1000", iteration=0).primary) == {"a" * 64}
     spent = among(found.spent, iteration=1).set_index("run")
@@ -63,15 +63,15 @@ def test_of_a_run_with_a_part_of_d_safe_that_part_is_counted(tmp_path: Path) -> 
         for part in ("safe", *parts):
             asked = counted(560 if part == "safe" else 140)
             write_metrics(folder / f"ledger_D_{part}.json", {"rows": [asked]})
-    spent = among(read_curves(tmp_path).spent, iteration=1).set_index(["seed", "run"]).labels
+    spent = among(read_reliability(tmp_path).spent, iteration=1).set_index(["seed", "run"]).labels
     assert spent[0].to_dict() == {"seldom2000": 760, "quarter2000": 340}
     assert spent[1, "seldom2000"] == 760 and math.isnan(spent[1, "quarter2000"])
 
 
 def test_of_nothing_there_is_nothing(tmp_path: Path) -> None:
-    assert read_curves(tmp_path).runs == []
+    assert read_reliability(tmp_path).runs == []
     write_seed(tmp_path / "seed_0")
-    assert yardstick(read_curves(tmp_path)) is None
+    assert yardstick(read_reliability(tmp_path)) is None
 
 
 def test_a_run_that_was_told_something_else_is_left_out_and_named(tmp_path: Path) -> None:
@@ -79,7 +79,7 @@ def test_a_run_that_was_told_something_else_is_left_out_and_named(tmp_path: Path
         folder = write_seed(tmp_path / f"seed_{seed}", "0", "dagger500_1")
     told = (folder / "runs.json").read_text()
     (folder / "runs.json").write_text(told.replace('"frames":[214,', '"frames":[215,'))
-    found = read_curves(tmp_path)
+    found = read_reliability(tmp_path)
     assert found.seeds_of("dagger500", 1) == [0]
     assert found.left_out == ("DAgger, 500 labels, seed 1: told something else than elsewhere.",)
 

@@ -24,6 +24,7 @@ from tests.evaluation.made_up import (
     undriven,
     with_optimal,
 )
+from tests.evaluation.made_up_curves import curves
 from tests.report.rendered import report, rows, section
 
 TABLES = {
@@ -51,6 +52,20 @@ def test_every_run_and_iteration_has_its_row() -> None:
         found = rows(text, header)
         assert list(found) == expected
         assert {len(cells) for cells in found.values()} == {columns}
+
+
+def test_reliability_is_shown_with_the_drives_and_seeds_that_it_rests_on() -> None:
+    made_up = experiment({"safedagger": GROWING}, seeds=2)
+    text = report(made_up, relied_on=curves({"safedagger500": 0.6}))
+    found = rows(section(text, "Reliability"), "Drives, seeds")
+    assert [*found] == [("SafeDAgger, 500 labels", "0"), ("SafeDAgger, 500 labels", "3")]
+    rests, succeeded, failed = found["SafeDAgger, 500 labels", "3"]
+    assert (rests, succeeded) == ("80, 1", " / ".join(["60.0 % [43.3 %, 75.1 %]"] * 2))
+    # of 40 drives 16 leave the road, over 1,000 m each
+    assert [cell.split(" [")[0] for cell in failed.split(" / ")] == ["40", "40"]
+    assert "- Reliability, seed 1: not measured." in section(text, "What is missing")
+    without = report(made_up)
+    assert "### Reliability" not in without and "- Reliability, seed 0: not measured." in without
 
 
 def test_laps_have_their_intervals_in_both_conditions() -> None:
