@@ -6,6 +6,9 @@ from pathlib import Path
 import pandas as pd
 import pytest
 
+from pipeline.driving.metrics import METRICS
+from pipeline.evaluation.drives import column
+from pipeline.evaluation.reading import read_reliability
 from tests.command import run
 
 ROOT = Path(__file__).parents[2]
@@ -76,6 +79,20 @@ def test_the_readme_has_what_an_optimal_safety_policy_would_leave_to_the_referen
         found.append(100 * asked.takeover_frames.sum() / asked.frames.sum())
     said = " ".join((ROOT / "README.md").read_text().split())
     assert "would make it {:.1f} and {:.1f} %".format(*found) in said
+
+
+def test_the_readme_has_how_far_the_last_primaries_can_be_relied_on() -> None:
+    relied_on = read_reliability(ROOT / "cards/metrics")
+
+    def done(loop: str, iteration: int = 3) -> int:
+        drives = relied_on.among(run=loop, iteration=iteration)
+        assert len(drives) == 80
+        return int(column(drives, METRICS["success"].part).sum())
+
+    assert {done(loop) for loop in ("safedagger", "dagger", "dagger_budget")} == {80}
+    said = " ".join((ROOT / "README.md").read_text().split())
+    supervised, first = done("supervised"), done("supervised", 0)
+    assert f"did all 80 laps alone, the supervised one {supervised}, and pi_0 {first}." in said
 
 
 def _rows(page: str, begins: str) -> list[list[str]]:
