@@ -72,8 +72,9 @@ def _in_words(loop: pd.DataFrame) -> str:
     """All of it, and how many failures there may be: Garwood's exact bound of a Poisson count."""
     failures, frames, drives = loop[["failures", "frames_driven", "drives"]].sum()
     most = chi2.ppf(0.95, 2 * (failures + 1)) / 2 * 1000 / frames
+    plural = "s" * (failures != 1)
     return (
-        f"{count(failures)} failure{'s' * (failures != 1)} in {count(frames)} frames of {count(drives)} drives "
+        f"{count(failures)} failure{plural} in {count(frames)} frames of {count(drives)} drives "
         f"({seeds_in_words(_seeds(loop))}), {most:.2g} in 1,000 frames at most (upper 95 % bound)"
     )
 

@@ -17,12 +17,11 @@ from pipeline.evaluation.wording import (
     NOTHING,
     count,
     interval,
-    pair,
     table,
     written,
 )
 from pipeline.metric import COLLECTED
-from pipeline.report.tables import NAIVE, estimates, successes
+from pipeline.report.tables import relied_on_in, successes
 
 COST = ("failures", "calls", "call_length")
 HEADER = (
@@ -93,15 +92,15 @@ def _answer(curves: Experiment, run: str, best: str) -> str:
 
 
 def _row(curves: Experiment, title: str, run: str, iteration: int, answer: str) -> list[str]:
-    drives = curves.among(run=run, iteration=iteration)
+    rests_on, succeeded, failed = relied_on_in(curves, run, iteration)
     spent = _spent(curves, run, iteration)
     return [
         title,
-        f"{len(drives)}, {drives.seed.nunique()}",
+        rests_on,
         count(spent.queries),
         count(spent.labels),
-        successes(curves, run, iteration),
-        pair(estimates(curves, "failures", run, iteration, NAIVE)),
+        succeeded,
+        failed,
         answer,
         *(written(COLLECTED[name], spent[name]) for name in COST),
     ]

@@ -1,6 +1,7 @@
 """The tables of the report: every metric with its interval, what it cost, how drives ended."""
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from functools import partial
 
 import pandas as pd
 
@@ -54,15 +55,17 @@ def driving(experiment: Experiment, metric: str) -> str:
 def reliability(relied_on: Experiment) -> str:
     """How far the primaries can be relied on alone, and on how many drives and seeds that rests."""
 
-    def cells(run: str, iteration: int) -> Iterator[str]:
-        drives = relied_on.among(run=run, iteration=iteration)
-        yield f"{len(drives)}, {drives.seed.nunique()}"
-        yield successes(relied_on, run, iteration)
-        yield pair(estimates(relied_on, "failures", run, iteration, NAIVE))
-
     titles = (METRICS[name].title for name in ("success", "failures"))
     header = ["Drives, seeds", *(f"{title}, naive" for title in titles)]
-    return _by_iteration(relied_on, relied_on.runs, header, cells)
+    return _by_iteration(relied_on, relied_on.runs, header, partial(relied_on_in, relied_on))
+
+
+def relied_on_in(relied_on: Experiment, run: str, iteration: int) -> Iterator[str]:
+    """How many drives and seeds there are, their successes, and their failures in a distance."""
+    drives = relied_on.among(run=run, iteration=iteration)
+    yield f"{len(drives)}, {drives.seed.nunique()}"
+    yield successes(relied_on, run, iteration)
+    yield pair(estimates(relied_on, "failures", run, iteration, NAIVE))
 
 
 def successes(relied_on: Experiment, run: str, iteration: int) -> str:
