@@ -96,6 +96,7 @@ def loops(comparison: Comparison) -> dict[str, Any]:
             if of["strategies"]
         },
         "relied-on": dict(_relied_on(comparison)),
+        "crowded": dict(_crowded(comparison)),
         "pictured": [f"{name}_1" for name, run in comparison.runs.items() if run.is_watched][:1],
         "ledgers": {
             FIRST: {"driven": "D_0"},
@@ -193,9 +194,23 @@ def _relied_on(comparison: Comparison) -> Iterator[tuple[str, dict[str, str]]]:
     there = comparison.reliability
     if there is None:
         return
-    for beginning in dict.fromkeys(start(name, run) for name, run in comparison.runs.items()):
-        yield beginning, {"scenarios": there.ends}
-    for step, _, run, i in _steps(comparison):
-        scenarios = there.ends if i == run.iterations[-1] else there.between
+    ends = set(_ends(comparison))
+    beginnings = [start(name, run) for name, run in comparison.runs.items()]
+    for step in dict.fromkeys([*beginnings, *(step for step, *_ in _steps(comparison))]):
+        scenarios = there.ends if step in ends else there.between
         if scenarios:
             yield step, {"scenarios": scenarios}
+
+
+def _crowded(comparison: Comparison) -> Iterator[tuple[str, dict[str, str]]]:
+    """Of the first and the last primaries, the scenarios in which they drive among many cars."""
+    there = comparison.reliability
+    if there is not None and there.crowded:
+        for step in _ends(comparison):
+            yield step, {"scenarios": there.crowded}
+
+
+def _ends(comparison: Comparison) -> Iterator[str]:
+    """The steps of the supervised stages and of each run's last iteration."""
+    yield from dict.fromkeys(start(name, run) for name, run in comparison.runs.items())
+    yield from (step for step, _, run, i in _steps(comparison) if i == run.iterations[-1])

@@ -192,6 +192,8 @@ class Reliability(BaseModel):
     """of the supervised stage, and of each run's last iteration"""
     between: str | None = None
     """of the other iterations; none of them is driven where None"""
+    crowded: str | None = None
+    """of the ends again, among many more cars; none where None"""
 
 
 class Comparison(BaseModel):

@@ -1,5 +1,6 @@
-"""Sec. 4.4: drive each scenario of a task by each strategy, in all conditions."""
+"""Sec. 4.4: drive each scenario of a task by each strategy, in all conditions or some."""
 
+from collections.abc import Collection
 from pathlib import Path
 from typing import Annotated
 
@@ -19,6 +20,10 @@ def evaluate(
         typer.Option(
             help="Driving strategies, separated by commas; by default naive, and with a safety policy safe."
         ),
+    ] = None,
+    conditions: Annotated[
+        str | None,
+        typer.Option(help="Which of the task's conditions, separated by commas; by default all."),
     ] = None,
     starts: Annotated[
         int, typer.Option(min=1, help="Drives of each scenario, from different places.")
@@ -56,12 +61,13 @@ def evaluate(
         rule_of(parse_driving(name), judgement, resume=resume, least=(least or 0) * task.fps)
         for name in map(str.strip, told.split(","))
     ]
+    among = _named(conditions, task.conditions)
     told_of_primary = {
         "primary": weights_sha256(primary),
         "begun_with": begun_with(primary),
         "processor": processor(),
     }
-    planned = list(trials(task, rules, starts, seed=seed))
+    planned = list(trials(task, among, rules, starts, seed=seed))
     rows = []
     with options.progress("driving", len(planned)) as advance_to:
         for row in in_order(evaluate_drive, ((trial, driver) for trial in planned), workers):
@@ -72,11 +78,22 @@ def evaluate(
     by_hand = {"cut": cut, "resume": resume, "least": least, "hold": hold}
     chosen = {name: value for name, value in by_hand.items() if value is not None}
     settings = [
-        {"condition": condition, "name": task.name, **asdict(there), **chosen}
-        for condition, there in task.conditions.items()
+        {"condition": name, "name": task.name, **asdict(task.conditions[name]), **chosen}
+        for name in among
     ]
     write_metrics(metrics, {**headline(driven, task.metrics), "rows": settings})
     typer.echo(
         f"{metrics}: {len(driven)} drives, {driven.frames.sum()} frames, "
         f"{driven.takeover_frames.sum()} of them by the reference; {options.endings(driven.ended)}"
     )
+
+
+def _named(told: str | None, known: Collection[str]) -> list[str]:
+    """The conditions that are told, each once; all where none is."""
+    if told is None:
+        return list(known)
+    names = dict.fromkeys(map(str.strip, told.split(",")))
+    for name in names:
+        if name not in known:
+            raise ValueError(f"--conditions {name!r}: expected some of {', '.join(known)}")
+    return list(names)

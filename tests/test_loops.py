@@ -157,6 +157,16 @@ def test_each_primary_is_counted_on_in_the_end_and_between_where_it_is_told() ->
     assert unrolled(Comparison.of(told))["relied-on"]["two_0"] == {"scenarios": "a,b"}
 
 
+def test_the_first_and_the_last_primaries_drive_in_a_crowd_where_it_is_told() -> None:
+    told = {"runs": {"one": ONE}, "protocols": {"long": LONG}}
+    assert unrolled(Comparison.of(told))["crowded"] == {}
+    there = {"reliability": {"ends": "a,b"}}
+    assert unrolled(Comparison.of(told | there))["crowded"] == {}
+    there = {"reliability": {"ends": "a,b", "between": "a", "crowded": "b"}}
+    found = unrolled(Comparison.of(told | there))["crowded"]
+    assert found == {"0": {"scenarios": "b"}, "one_2": {"scenarios": "b"}}
+
+
 def test_what_stands_beside_the_loops() -> None:
     told = {"runs": {"one": ONE | {"from_scratch": [2]}}, "thresholds": [0.000625, 0.04]}
     told |= {"protocols": {"long": LONG}}

@@ -155,5 +155,6 @@ def test_no_track_that_is_measured_on_is_trained_on_or_chosen_by(name: str) -> N
     tracks = [set(Driving(tracks=each, traffic=0).scenarios) for each in params["tracks"].values()]
     tracks.append(set(Driving(tracks=params["reliability"]["ends"], traffic=0).scenarios))
     assert sum(map(len, tracks)) == len(set.union(*tracks))
-    if between := params["reliability"].get("between"):
-        assert set(Driving(tracks=between, traffic=0).scenarios) <= tracks[-1]
+    for more in params["reliability"].keys() - {"ends"}:
+        told = params["reliability"][more]
+        assert set(Driving(tracks=told, traffic=0).scenarios) <= tracks[-1], more

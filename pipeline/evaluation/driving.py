@@ -27,25 +27,28 @@ class Trial:
     """number of the start: equal starts are equal situations, whoever drives"""
 
 
-def trials(task: Task, rules: Sequence[Rule], starts: int, *, seed: int) -> Iterator[Trial]:
+def trials(
+    task: Task, conditions: Sequence[str], rules: Sequence[Rule], starts: int, *, seed: int
+) -> Iterator[Trial]:
     """Every drive of an evaluation: rules x conditions x scenarios x starts.
 
-    Every policy meets the same starts.
+    Every policy meets the same starts, in whichever of the task's conditions.
     """
-    conditions = task.conditions
-    told = [asdict(there) for there in conditions.values()]
+    told = {condition: asdict(there) for condition, there in task.conditions.items()}
     varied = [
         name
-        for name, first in told[0].items()
-        if isinstance(first, int | float) and len({each[name] for each in told}) > 1
+        for name, value in asdict(task).items()
+        if isinstance(value, int | float) and len({each[name] for each in told.values()}) > 1
     ]
     for rule in rules:
-        for (condition, there), settings in zip(conditions.items(), told, strict=True):
+        for condition in conditions:
+            there = task.conditions[condition]
+            settings = {name: told[condition][name] for name in varied}
             for number, scenario in enumerate(there.scenarios):
                 for start in range(starts):
                     begun = stream("evaluation") + start
                     plan = Plan(there, scenario, rule, (seed, begun, number))
-                    yield Trial(plan, condition, {n: settings[n] for n in varied}, start)
+                    yield Trial(plan, condition, settings, start)
 
 
 def evaluate(trial: Trial, driver: Driver) -> dict[str, Any]:

@@ -24,7 +24,7 @@ WARM, SCRATCH = "warm", "scratch"
 type Steps = Callable[[Path, int, str, list[int], Run], Iterator[Tables]]
 """Reads those of a run, from the folder of a seed"""
 
-_DRIVES, _RELIABILITY = "drives", "reliability"
+_DRIVES, _RELIABILITY, _CROWD = "drives", "reliability", "crowd"
 _STEP = re.compile(r"_(?:(?P<run>[a-z]\w*)_)?(?P<number>\d+)\.csv")
 _SEED = re.compile(r"seed_(?P<seed>\d+)")
 
@@ -56,7 +56,12 @@ def read_reliability(metrics: Path) -> Experiment:
     not tell is NaN. Empty where there are none. Left out is the same as in `read_experiment`. ValueError
     where a file does not hold what it should, or there are drives of a run that nobody knows.
     """
-    return _read(metrics, _RELIABILITY, _relied_on, _ledger_if_any)
+    return _read(metrics, _RELIABILITY, partial(_relied_on, _RELIABILITY), _ledger_if_any)
+
+
+def read_crowd(metrics: Path) -> Experiment:
+    """Read the same of the primaries among many more cars: seed_<n>/crowd_<run>_<i>.csv, ..."""
+    return _read(metrics, _CROWD, partial(_relied_on, _CROWD), _ledger_if_any)
 
 
 def read_thresholds(metrics: Path) -> Tables:
@@ -183,7 +188,7 @@ def _steps(folder: Path, seed: int, run: str, iterations: list[int], spec: Run) 
 
 
 def _relied_on(
-    folder: Path, seed: int, run: str, iterations: list[int], spec: Run
+    kind: str, folder: Path, seed: int, run: str, iterations: list[int], spec: Run
 ) -> Iterator[Tables]:
     """Of one run; where nothing is collected, nothing is asked."""
     for iteration in range(max(iterations) + 1):
@@ -193,7 +198,7 @@ def _relied_on(
         if iteration and not spec.collects:
             cost = pd.DataFrame([dict.fromkeys(Ledger.model_fields, 0) | at])
         driven = (
-            read_driven(folder, name, _RELIABILITY, _RELIABILITY).assign(**at)
+            read_driven(folder, name, kind, kind).assign(**at)
             if iteration in (0, *iterations)
             else pd.DataFrame()
         )

@@ -17,7 +17,7 @@ def gaps(material: Material, pictures: Mapping[str, Mapping[int, str]]) -> list[
     """One line for each thing that is missing; `pictures` are those that each seed should have, title to
     seed to place.
     """
-    experiment, curves, relied_on = material.experiment, material.curves, material.relied_on
+    experiment, curves = material.experiment, material.curves
     wanted = {run: range(len(experiment.specs[run].iterations) + 1) for run in experiment.runs}
     ends = {run: (0, last(curves, run)) for run in curves.specs}
     return [
@@ -36,12 +36,8 @@ def gaps(material: Material, pictures: Mapping[str, Mapping[int, str]]) -> list[
             for seed in experiment.seeds
             if seed not in places
         ),
-        *(
-            f"Reliability, seed {seed}: not measured."
-            for seed in experiment.seeds
-            if seed not in relied_on.seeds
-        ),
-        *(f"Reliability: {each}" for each in relied_on.left_out if each not in experiment.left_out),
+        *_alone(experiment, "Reliability", material.relied_on),
+        *_alone(experiment, "Reliability in a crowd", material.in_crowd),
         *(
             f"Label curves: {each}"
             for each in (
@@ -62,6 +58,16 @@ def _without_results(experiment: Experiment, run: str) -> str:
     waiting = sum(run in claim.runs for claim in claims(experiment))
     verdicts = f", hence no verdict on {waiting} claim{'s' * (waiting > 1)}" if waiting else ""
     return f"{experiment.title(run)}: no results{verdicts}."
+
+
+def _alone(experiment: Experiment, title: str, measured: Experiment) -> Iterator[str]:
+    """Of its seeds, on which it was not measured how far the primaries can be relied on alone."""
+    for seed in experiment.seeds:
+        if seed not in measured.seeds:
+            yield f"{title}, seed {seed}: not measured."
+    for each in measured.left_out:
+        if each not in experiment.left_out:
+            yield f"{title}: {each}"
 
 
 def _missing_iterations(

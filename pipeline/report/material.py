@@ -11,6 +11,7 @@ from pipeline.evaluation.drives import each_once
 from pipeline.evaluation.experiment import Experiment, Tables
 from pipeline.evaluation.files import ErrorShares
 from pipeline.evaluation.reading import (
+    read_crowd,
     read_errors,
     read_experiment,
     read_reliability,
@@ -30,6 +31,8 @@ class Material:
     curves: Experiment
     relied_on: Experiment
     """the experiment's own primaries, on the tracks of the curves; of the seeds where that was measured"""
+    in_crowd: Experiment
+    """the first and the last of them among many more cars, likewise"""
 
     @cached_property
     def driven(self) -> pd.DataFrame:
@@ -50,4 +53,5 @@ def read_material(metrics: Path, curves: Path | None = None) -> Material:
         {seed: of for seed, of in read_errors(metrics).items() if seed in experiment.seeds},
         read_reliability(curves) if curves else Experiment(specs={}),
         read_reliability(metrics),
+        read_crowd(metrics),
     )

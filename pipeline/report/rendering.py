@@ -75,6 +75,7 @@ def render_report(material: Material, pictures: Pictures) -> str:
         gaps=gaps(material, pictures.by_seed),
         curves=material.curves,
         relied_on=material.relied_on,
+        in_crowd=material.in_crowd,
         best=yardstick(material.curves),
         labels=labels,
         label_margin=LABEL_MARGIN,

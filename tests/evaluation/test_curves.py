@@ -8,7 +8,7 @@ import pytest
 from pipeline.evaluation.curves import families, success, yardstick
 from pipeline.evaluation.drives import among
 from pipeline.evaluation.experiment import Experiment
-from pipeline.evaluation.reading import read_reliability
+from pipeline.evaluation.reading import read_crowd, read_reliability
 from pipeline.evaluation.statistics import exact
 from pipeline.evaluation.writing import write_metrics
 from tests.evaluation.made_up_curves import SPECS, counted, curves, write_seed
@@ -54,6 +54,19 @@ def test_a_run_that_sets_something_aside_begins_for_itself(tmp_path: Path) -> No
     assert set(found.among(run="aside1000", iteration=0).primary) == {"a" * 64}
     spent = among(found.spent, iteration=1).set_index("run")
     assert spent.labels.to_dict() == {"aside1000": 200, "dagger500": 200}
+
+
+def test_what_was_driven_in_a_crowd_is_read_apart(tmp_path: Path) -> None:
+    folder = write_seed(tmp_path / "seed_0", "0", "dagger500_3", "training_3")
+    for step in ("0", "dagger500_3"):
+        for ending in ("csv", "json"):
+            (folder / f"reliability_{step}.{ending}").rename(folder / f"crowd_{step}.{ending}")
+    (folder / "reliability_0.csv").write_bytes((folder / "crowd_0.csv").read_bytes())
+    (folder / "reliability_0.json").write_bytes((folder / "crowd_0.json").read_bytes())
+    crowd, relied_on = read_crowd(tmp_path), read_reliability(tmp_path)
+    assert (crowd.runs, relied_on.runs) == (["dagger500"], ["training"])
+    assert crowd.iterations("dagger500") == [0, 3]
+    assert read_crowd(tmp_path / "seed_0").runs == []
 
 
 def test_of_a_run_with_a_part_of_d_safe_that_part_is_counted(tmp_path: Path) -> None:

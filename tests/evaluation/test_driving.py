@@ -16,7 +16,7 @@ TRUSTING = Judgement(cut=0.0, tau=9.0, measure="steering")
 RULES = [rule_of(strategy, TRUSTING) for strategy in DRIVING]
 ALWAYS = Safe(1.0)
 TASK = Driving(tracks="alder,yew", traffic=3, action_repeat=3, laps=3.0, seconds=2.0)
-TRIALS = list(trials(TASK, RULES, 2, seed=0))
+TRIALS = list(trials(TASK, list(TASK.conditions), RULES, 2, seed=0))
 
 
 @pytest.fixture(scope="module")
@@ -36,6 +36,11 @@ def test_every_case_is_driven_once_and_all_strategies_meet_the_same_starts() -> 
     assert conditions == {("no_traffic", ("traffic", 0)), ("traffic", ("traffic", 3))}
     naive, safe, optimal = ([t.plan.seed for t in TRIALS if t.plan.rule.name == s] for s in DRIVING)
     assert naive == safe == optimal
+
+
+def test_one_condition_alone_is_driven_as_among_all() -> None:
+    alone = list(trials(TASK, ["traffic"], RULES, 2, seed=0))
+    assert alone == [each for each in TRIALS if each.condition == "traffic"]
 
 
 @pytest.mark.parametrize("strategy", [Strategy.SAFE, Strategy.OPTIMAL])

@@ -22,6 +22,7 @@ def report(made_up: Experiment, **changes: Any) -> str:
         "errors": dict.fromkeys(made_up.seeds, ErrorShares.model_validate(written.ERRORS)),
         "curves": Experiment(specs={}),
         "relied_on": Experiment(specs={}),
+        "in_crowd": Experiment(specs={}),
     }
     places = {seed: f"errors/seed_{seed}.png" for seed in made_up.seeds}
     pictures = Pictures(

@@ -111,7 +111,7 @@ def test_nothing_is_missing_of_a_whole_experiment() -> None:
     whole = with_optimal(experiment(GOOD, seeds=2), driven)
     first = experiment({"dagger": SLOW[:1]})
     beside = {"thresholds": named(first, "0.01"), "scratch": named(first, SCRATCH)}
-    beside["relied_on"] = curves({"safedagger500": 0.6}, seeds=2)
+    beside["relied_on"] = beside["in_crowd"] = curves({"safedagger500": 0.6}, seeds=2)
     assert (
         section(report(whole, **beside), "What is missing").strip()
         == "No run, seed or picture is missing."
@@ -140,6 +140,8 @@ def test_what_is_missing_is_named() -> None:
         "- Seed 1: no errors.json, which says which errors are safe.",
         "- Reliability, seed 0: not measured.",
         "- Reliability, seed 1: not measured.",
+        "- Reliability in a crowd, seed 0: not measured.",
+        "- Reliability in a crowd, seed 1: not measured.",
     ]
 
 

@@ -65,7 +65,19 @@ def test_reliability_is_shown_with_the_drives_and_seeds_that_it_rests_on() -> No
     assert [cell.split(" [")[0] for cell in failed.split(" / ")] == ["40", "40"]
     assert "- Reliability, seed 1: not measured." in section(text, "What is missing")
     without = report(made_up)
-    assert "### Reliability" not in without and "- Reliability, seed 0: not measured." in without
+    assert "### Reliability\n" not in without and "- Reliability, seed 0: not measured." in without
+
+
+def test_reliability_in_a_crowd_stands_beside_it() -> None:
+    made_up = experiment({"safedagger": GROWING})
+    crowd = undriven(curves({"safedagger500": 0.75}), condition="no_traffic")
+    crowd = replace(crowd, drives=crowd.drives.assign(traffic=40.0))
+    text = report(made_up, in_crowd=crowd)
+    assert "among 40 other cars; seed 0." in section(text, "Reliability in a crowd")
+    found = rows(section(text, "Reliability in a crowd"), "Drives, seeds")
+    assert found["SafeDAgger, 500 labels", "3"][:2] == ["40, 1", "75.0 % [58.8 %, 87.3 %]"]
+    assert "Reliability in a crowd, seed" not in section(text, "What is missing")
+    assert "### Reliability in a crowd" not in report(made_up)
 
 
 def test_laps_have_their_intervals_in_both_conditions() -> None:

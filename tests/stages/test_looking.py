@@ -1,5 +1,6 @@
 """The commands that show something, each into a file."""
 
+import csv
 import json
 import shutil
 from collections.abc import Callable
@@ -122,6 +123,18 @@ def test_driving_naively_needs_no_safety_policy(
     assert shown["with"] == shown["without"]
 
 
+def test_a_condition_is_evaluated_alone_as_among_others(tmp_path: Path) -> None:
+    for name, told in (("both", ""), ("one", "--conditions traffic")):
+        places = f"--drives {tmp_path}/{name}.csv --metrics {tmp_path}/{name}.json"
+        assert run(f"evaluate primary {EVALUATE} {told} {places}") == 0
+    both, one = ([*csv.DictReader((tmp_path / f"{name}.csv").open())] for name in ("both", "one"))
+    assert one == [row for row in both if row["condition"] == "traffic"] != []
+    both, one = (
+        json.loads((tmp_path / f"{name}.json").read_text())["rows"] for name in ("both", "one")
+    )
+    assert one == [row for row in both if row["condition"] == "traffic"]
+
+
 def test_an_evaluation_says_what_was_set_by_hand(tmp_path: Path) -> None:
     for name, calm in (("paper", ""), ("calm", "--cut 0.4 --resume 0.7 --least 1")):
         places = f"--drives {tmp_path}/{name}.csv --metrics {tmp_path}/{name}.json"
@@ -174,6 +187,10 @@ def test_each_side_is_driven_by_its_own_policies(tmp_path: Path) -> None:
         (
             f"evaluate primary {EVALUATE} --metrics x.json --drives x --strategies naive,safe",
             "strategy is safe, which needs a safety policy",
+        ),
+        (
+            f"evaluate primary {EVALUATE} --metrics x.json --drives x --conditions traffic,rain",
+            "--conditions 'rain': expected some of no_traffic, traffic",
         ),
         (f"watch safety primary {WATCH} --strategy safe", "expected"),
         (f"watch {CAR} --tracks nowhere", "nowhere"),

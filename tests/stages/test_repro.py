@@ -142,6 +142,17 @@ def test_every_primary_is_counted_on_alone(house: Path) -> None:
     assert all((table.strategy == "naive").all() for table in drives.values())
 
 
+def test_the_ends_of_the_loops_are_driven_in_a_crowd(house: Path) -> None:
+    """Before and after each, and in no other condition."""
+    metrics = house / "cards" / "metrics" / "seed_0"
+    drives = {path.stem: read_drives(path) for path in metrics.glob("crowd_*.csv")}
+    ends = {path.stem for path in metrics.glob("reliability_*.csv")} - {"reliability_safedagger_1"}
+    assert set(drives) == {name.replace("reliability", "crowd") for name in ends}
+    for table in drives.values():
+        (drive,) = table.to_dict("records")
+        assert (drive["strategy"], drive["condition"], drive["traffic"]) == ("naive", "traffic", 4)
+
+
 def test_training_alone_goes_on_with_the_data_of_the_supervised_stage(house: Path) -> None:
     more, first = (
         json.loads((house / f"models/primary_{step}/safedagger.json").read_text())

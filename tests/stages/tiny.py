@@ -40,8 +40,9 @@ rollout: {frames: 60}
 protocols:
   anywhere: {seconds: 2, offset-spread: 0.3, angle-spread: 0.03}
   briefly: {seconds: 1, offset-spread: 0.3, angle-spread: 0.03}
-reliability: {ends: "random:1-2", between: "random:1"}
+reliability: {ends: "random:1-2", between: "random:1", crowded: "random:2"}
 lap: {traffic: 2, laps: 0.05, seconds: 2}
+crowd: {traffic: 4, laps: 0.05, seconds: 2}
 evaluate: {traffic: 2, laps: 0.05, seconds: 2, starts: 1}
 """)
 del TINY["each"]
