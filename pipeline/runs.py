@@ -11,6 +11,8 @@ from typing import Annotated, Any, Literal, Self
 import yaml
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
 
+from pipeline.settings import listed
+
 NAME = r"^[a-z]+[0-9]*(_[a-z]+[0-9]*)*$"
 """Of a run: its steps are its name, an underscore and a number."""
 
@@ -155,7 +157,7 @@ class Run(BaseModel):
     @property
     def strategies(self) -> list[str]:
         """Those that its policies are evaluated by."""
-        return [name for name in map(str.strip, self.driven_by.split(",")) if name]
+        return listed(self.driven_by) if self.driven_by else []
 
     @property
     def told(self) -> dict[str, Any]:

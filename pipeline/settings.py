@@ -57,3 +57,8 @@ def settings(kind: type) -> dict[str, tuple[Any, Setting, Any]]:
         for name, (hint, default) in told.items()
         if hasattr(hint, "__metadata__")
     }
+
+
+def listed(told: str) -> list[str]:
+    """What is separated by commas, each once."""
+    return list(dict.fromkeys(name.strip() for name in told.split(",")))

@@ -1,6 +1,5 @@
 """Sec. 4.4: drive each scenario of a task by each strategy, in all conditions or some."""
 
-from collections.abc import Collection
 from pathlib import Path
 from typing import Annotated
 
@@ -51,6 +50,7 @@ def evaluate(
     from pipeline.rollout.judgement import Judgement, rule_of
     from pipeline.rollout.strategies import parse_driving
     from pipeline.rollout.workers import in_order
+    from pipeline.settings import listed
 
     check_place(drives, metrics)
     driver = Driver.load(primary, safety, hold=hold or 1, device=find_device(device))
@@ -59,9 +59,13 @@ def evaluate(
     told = strategies or ("naive,safe" if safety else "naive")
     rules = [
         rule_of(parse_driving(name), judgement, resume=resume, least=(least or 0) * task.fps)
-        for name in map(str.strip, told.split(","))
+        for name in listed(told)
     ]
-    among = _named(conditions, task.conditions)
+    among = listed(conditions) if conditions is not None else list(task.conditions)
+    for name in among:
+        if name not in task.conditions:
+            expected = ", ".join(task.conditions)
+            raise ValueError(f"--conditions {name!r}: expected some of {expected}")
     told_of_primary = {
         "primary": weights_sha256(primary),
         "begun_with": begun_with(primary),
@@ -86,14 +90,3 @@ def evaluate(
         f"{metrics}: {len(driven)} drives, {driven.frames.sum()} frames, "
         f"{driven.takeover_frames.sum()} of them by the reference; {options.endings(driven.ended)}"
     )
-
-
-def _named(told: str | None, known: Collection[str]) -> list[str]:
-    """The conditions that are told, each once; all where none is."""
-    if told is None:
-        return list(known)
-    names = dict.fromkeys(map(str.strip, told.split(",")))
-    for name in names:
-        if name not in known:
-            raise ValueError(f"--conditions {name!r}: expected some of {', '.join(known)}")
-    return list(names)

@@ -12,7 +12,7 @@ from pipeline.data.schema import Feature
 from pipeline.driving.features import FEATURES, ROBOT_TYPE, check_action_repeat
 from pipeline.driving.metrics import FAILURES, METRICS
 from pipeline.metric import Metric
-from pipeline.settings import Setting
+from pipeline.settings import Setting, listed
 from pipeline.task import Task
 
 if TYPE_CHECKING:
@@ -75,7 +75,7 @@ class Driving(Task):
     @property
     def scenarios(self) -> list[str]:
         """The tracks."""
-        return [name for track in self.tracks.split(",") for name in _each(track.strip())]
+        return [name for track in listed(self.tracks) for name in _each(track)]
 
     @property
     def conditions(self) -> Mapping[str, Task]:

@@ -12,7 +12,7 @@ from gymnasium.spaces import Box, Dict
 from pipeline.data.schema import Feature
 from pipeline.environment import Environment, features_of
 from pipeline.metric import DRIVEN, EVERYWHERE, Metric
-from pipeline.settings import Setting
+from pipeline.settings import Setting, listed
 from pipeline.task import Task
 
 SIZE = 84
@@ -90,7 +90,7 @@ class MetaWorld(Task):
     @property
     def scenarios(self) -> list[str]:
         """MetaWorld's tasks."""
-        return [task.strip() for task in self.tasks.split(",")]
+        return listed(self.tasks)
 
     def describe(self, scenario: str) -> str:
         """What LeRobot says to a policy that reads, such as "Press a button from the top"."""
