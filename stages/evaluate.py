@@ -61,11 +61,11 @@ def evaluate(
         rule_of(parse_driving(name), judgement, resume=resume, least=(least or 0) * task.fps)
         for name in listed(told)
     ]
-    among = listed(conditions) if conditions is not None else list(task.conditions)
+    known = task.conditions
+    among = listed(conditions) if conditions is not None else list(known)
     for name in among:
-        if name not in task.conditions:
-            expected = ", ".join(task.conditions)
-            raise ValueError(f"--conditions {name!r}: expected some of {expected}")
+        if name not in known:
+            raise ValueError(f"--conditions {name!r}: expected some of {', '.join(known)}")
     told_of_primary = {
         "primary": weights_sha256(primary),
         "begun_with": begun_with(primary),
@@ -82,8 +82,7 @@ def evaluate(
     by_hand = {"cut": cut, "resume": resume, "least": least, "hold": hold}
     chosen = {name: value for name, value in by_hand.items() if value is not None}
     settings = [
-        {"condition": name, "name": task.name, **asdict(task.conditions[name]), **chosen}
-        for name in among
+        {"condition": name, "name": task.name, **asdict(known[name]), **chosen} for name in among
     ]
     write_metrics(metrics, {**headline(driven, task.metrics), "rows": settings})
     typer.echo(

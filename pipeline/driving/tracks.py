@@ -121,7 +121,7 @@ TEST = {
 }
 
 
-@lru_cache(maxsize=32)
+@lru_cache(maxsize=64)  # a measure goes around 40 of them
 def make_track(name: str) -> Track:
     """Build a track by its name: one of TRAINING or TEST, or `random:<seed>`, any other member of
     the family.

@@ -28,21 +28,22 @@ class Trial:
 
 
 def trials(
-    task: Task, conditions: Sequence[str], rules: Sequence[Rule], starts: int, *, seed: int
+    task: Task, among: Sequence[str], rules: Sequence[Rule], starts: int, *, seed: int
 ) -> Iterator[Trial]:
     """Every drive of an evaluation: rules x conditions x scenarios x starts.
 
-    Every policy meets the same starts, in whichever of the task's conditions.
+    Every policy meets the same starts, `among` whichever of the task's conditions.
     """
-    told = {condition: asdict(there) for condition, there in task.conditions.items()}
+    conditions = task.conditions
+    told = {condition: asdict(there) for condition, there in conditions.items()}
     varied = [
         name
         for name, value in asdict(task).items()
         if isinstance(value, int | float) and len({each[name] for each in told.values()}) > 1
     ]
     for rule in rules:
-        for condition in conditions:
-            there = task.conditions[condition]
+        for condition in among:
+            there = conditions[condition]
             settings = {name: told[condition][name] for name in varied}
             for number, scenario in enumerate(there.scenarios):
                 for start in range(starts):
