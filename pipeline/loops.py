@@ -195,8 +195,7 @@ def _relied_on(comparison: Comparison) -> Iterator[tuple[str, dict[str, str]]]:
     if there is None:
         return
     ends = set(_ends(comparison))
-    beginnings = [start(name, run) for name, run in comparison.runs.items()]
-    for step in dict.fromkeys([*beginnings, *(step for step, *_ in _steps(comparison))]):
+    for step in (*_beginnings(comparison), *(step for step, *_ in _steps(comparison))):
         scenarios = there.ends if step in ends else there.between
         if scenarios:
             yield step, {"scenarios": scenarios}
@@ -212,5 +211,10 @@ def _crowded(comparison: Comparison) -> Iterator[tuple[str, dict[str, str]]]:
 
 def _ends(comparison: Comparison) -> Iterator[str]:
     """The steps of the supervised stages and of each run's last iteration."""
-    yield from dict.fromkeys(start(name, run) for name, run in comparison.runs.items())
+    yield from _beginnings(comparison)
     yield from (step for step, _, run, i in _steps(comparison) if i == run.iterations[-1])
+
+
+def _beginnings(comparison: Comparison) -> list[str]:
+    """The steps of the supervised stages, each once."""
+    return list(dict.fromkeys(start(name, run) for name, run in comparison.runs.items()))

@@ -54,7 +54,6 @@ def driving(experiment: Experiment, metric: str) -> str:
 
 def reliability(relied_on: Experiment) -> str:
     """How far the primaries can be relied on alone, and on how many drives and seeds that rests."""
-
     titles = (METRICS[name].title for name in ("success", "failures"))
     header = ["Drives, seeds", *(f"{title}, naive" for title in titles)]
     return _by_iteration(relied_on, relied_on.runs, header, partial(relied_on_in, relied_on))

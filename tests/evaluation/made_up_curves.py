@@ -72,13 +72,13 @@ def counted(queries: int) -> dict[str, float]:
     )
 
 
-def write_seed(folder: Path, *steps: str, ledgers: bool = True) -> Path:
+def write_seed(folder: Path, *steps: str, ledgers: bool = True, kind: str = "reliability") -> Path:
     """What `scales/run` leaves of a seed whose primaries of some steps were driven."""
     told = Comparison(runs=dict(SPECS), protocols={"line": {}, "briefly": {}, "anywhere": {}})
     write_file(folder / "runs.json", told.model_dump_json(exclude_defaults=True).encode())
     for step in steps:
-        write_drives(folder / f"reliability_{step}.csv", drives(0.5, tracks=2))
-        write_metrics(folder / f"reliability_{step}.json", {"rows": LAPS})
+        write_drives(folder / f"{kind}_{step}.csv", drives(0.5, tracks=2))
+        write_metrics(folder / f"{kind}_{step}.json", {"rows": LAPS})
     for step in ("safe", *(each for each in steps if "training" not in each)) if ledgers else ():
         write_metrics(folder / f"ledger_D_{step}.json", {"rows": [counted(100)]})
     return folder

@@ -57,12 +57,8 @@ def test_a_run_that_sets_something_aside_begins_for_itself(tmp_path: Path) -> No
 
 
 def test_what_was_driven_in_a_crowd_is_read_apart(tmp_path: Path) -> None:
-    folder = write_seed(tmp_path / "seed_0", "0", "dagger500_3", "training_3")
-    for step in ("0", "dagger500_3"):
-        for ending in ("csv", "json"):
-            (folder / f"reliability_{step}.{ending}").rename(folder / f"crowd_{step}.{ending}")
-    (folder / "reliability_0.csv").write_bytes((folder / "crowd_0.csv").read_bytes())
-    (folder / "reliability_0.json").write_bytes((folder / "crowd_0.json").read_bytes())
+    write_seed(tmp_path / "seed_0", "0", "training_3")
+    write_seed(tmp_path / "seed_0", "0", "dagger500_3", kind="crowd")
     crowd, relied_on = read_crowd(tmp_path), read_reliability(tmp_path)
     assert (crowd.runs, relied_on.runs) == (["dagger500"], ["training"])
     assert crowd.iterations("dagger500") == [0, 3]
