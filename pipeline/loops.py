@@ -202,7 +202,7 @@ def _relied_on(comparison: Comparison) -> Iterator[tuple[str, dict[str, str]]]:
 
 
 def _crowded(comparison: Comparison) -> Iterator[tuple[str, dict[str, str]]]:
-    """Of the first and the last primaries, the scenarios in which they drive among many cars."""
+    """Of the first and the last primaries, the scenarios in which they are counted on in a crowd."""
     there = comparison.reliability
     if there is not None and there.crowded:
         for step in _ends(comparison):

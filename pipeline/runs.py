@@ -195,7 +195,7 @@ class Reliability(BaseModel):
     between: str | None = None
     """of the other iterations; none of them is driven where None"""
     crowded: str | None = None
-    """of the ends again, among many more cars; none where None"""
+    """of the ends again, in a crowd; none where None"""
 
 
 class Comparison(BaseModel):

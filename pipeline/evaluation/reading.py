@@ -60,7 +60,7 @@ def read_reliability(metrics: Path) -> Experiment:
 
 
 def read_crowd(metrics: Path) -> Experiment:
-    """Read the same of the primaries among many more cars: seed_<n>/crowd_<run>_<i>.csv, ..."""
+    """Read the same of the primaries in a crowd: seed_<n>/crowd_<run>_<i>.csv, ..."""
     return _read(metrics, _CROWD, partial(_relied_on, _CROWD), _ledger_if_any)
 
 

@@ -30,9 +30,9 @@ class Material:
     errors: Mapping[int, ErrorShares]
     curves: Experiment
     relied_on: Experiment
-    """the experiment's own primaries, on the tracks of the curves; of the seeds where that was measured"""
+    """the experiment's own primaries, in the scenarios of the curves; of the seeds where that was measured"""
     in_crowd: Experiment
-    """the first and the last of them among many more cars, likewise"""
+    """the first and the last of them in a crowd, likewise"""
 
     @cached_property
     def driven(self) -> pd.DataFrame:
