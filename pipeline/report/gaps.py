@@ -1,7 +1,7 @@
 """What a whole experiment has, and this one has not."""
 
 from collections.abc import Iterator, Mapping, Sequence
-from itertools import product
+from itertools import chain, product
 
 import pandas as pd
 
@@ -19,7 +19,8 @@ def gaps(material: Material, pictures: Mapping[str, Mapping[int, str]]) -> list[
     """
     experiment, curves = material.experiment, material.curves
     wanted = {run: range(len(experiment.specs[run].iterations) + 1) for run in experiment.runs}
-    ends = {run: (0, last(curves, run)) for run in curves.specs}
+    ends = {run: (0, whole[-1]) for run, whole in wanted.items()}
+    curve_ends = {run: (0, last(curves, run)) for run in curves.specs}
     return [
         *(
             _without_results(experiment, run)
@@ -27,7 +28,7 @@ def gaps(material: Material, pictures: Mapping[str, Mapping[int, str]]) -> list[
             if run not in experiment.runs
         ),
         *experiment.left_out,
-        *_missing_iterations(experiment, wanted),
+        *chain(*(_missing_iterations(experiment, wanted, seed) for seed in experiment.seeds)),
         *_missing_drives(experiment),
         *_beside_the_loops(material),
         *(
@@ -36,13 +37,13 @@ def gaps(material: Material, pictures: Mapping[str, Mapping[int, str]]) -> list[
             for seed in experiment.seeds
             if seed not in places
         ),
-        *_alone(experiment, "Reliability", material.relied_on),
-        *_alone(experiment, "Reliability in a crowd", material.in_crowd),
+        *_alone(experiment, "Reliability", material.relied_on, wanted),
+        *_alone(experiment, "Reliability in a crowd", material.in_crowd, ends),
         *(
             f"Label curves: {each}"
             for each in (
                 *curves.left_out,
-                *_missing_iterations(curves, ends),
+                *chain(*(_missing_iterations(curves, curve_ends, seed) for seed in curves.seeds)),
                 *(
                     f"seed {seed}: no results."
                     for seed in experiment.seeds
@@ -60,20 +61,26 @@ def _without_results(experiment: Experiment, run: str) -> str:
     return f"{experiment.title(run)}: no results{verdicts}."
 
 
-def _alone(experiment: Experiment, title: str, measured: Experiment) -> Iterator[str]:
-    """Of its seeds, on which it was not measured how far the primaries can be relied on alone."""
+def _alone(
+    experiment: Experiment, title: str, measured: Experiment, wanted: Mapping[str, Sequence[int]]
+) -> Iterator[str]:
+    """Of its seeds, for which primaries it was not measured how far they can be relied on alone."""
     for seed in experiment.seeds:
         if seed not in measured.seeds:
             yield f"{title}, seed {seed}: not measured."
+            continue
+        there = set(experiment.among(seed=seed).run)
+        own = {run: whole for run, whole in wanted.items() if run in there}
+        yield from (f"{title}: {each}" for each in _missing_iterations(measured, own, seed))
     for each in measured.left_out:
         if each not in experiment.left_out:
             yield f"{title}: {each}"
 
 
 def _missing_iterations(
-    experiment: Experiment, wanted: Mapping[str, Sequence[int]]
+    experiment: Experiment, wanted: Mapping[str, Sequence[int]], seed: int
 ) -> Iterator[str]:
-    for seed, (run, whole) in product(experiment.seeds, wanted.items()):
+    for run, whole in wanted.items():
         there = set(experiment.among(seed=seed, run=run).iteration)
         absent = [str(i) for i in whole if i not in there]
         if len(absent) == len(whole):

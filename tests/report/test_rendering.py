@@ -21,7 +21,6 @@ from tests.evaluation.made_up import (
     with_optimal,
     without,
 )
-from tests.evaluation.made_up_curves import curves
 from tests.report.rendered import ERRORS, report, rows, section
 
 ALONE = {"safedagger": GROWING}
@@ -111,7 +110,7 @@ def test_nothing_is_missing_of_a_whole_experiment() -> None:
     whole = with_optimal(experiment(GOOD, seeds=2), driven)
     first = experiment({"dagger": SLOW[:1]})
     beside = {"thresholds": named(first, "0.01"), "scratch": named(first, SCRATCH)}
-    beside["relied_on"] = beside["in_crowd"] = curves({"safedagger500": 0.6}, seeds=2)
+    beside["relied_on"] = beside["in_crowd"] = whole
     assert (
         section(report(whole, **beside), "What is missing").strip()
         == "No run, seed or picture is missing."

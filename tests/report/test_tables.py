@@ -4,7 +4,7 @@ import math
 from dataclasses import replace
 
 from pipeline.evaluation.comparison import Cell, estimate
-from pipeline.evaluation.experiment import D_SAFE, HELD_OUT, ROLLOUT, Tables
+from pipeline.evaluation.experiment import D_SAFE, HELD_OUT, ROLLOUT, Experiment, Tables
 from pipeline.evaluation.files import ErrorShares
 from pipeline.evaluation.wording import laps
 from pipeline.rollout.strategies import Strategy
@@ -56,27 +56,29 @@ def test_every_run_and_iteration_has_its_row() -> None:
 
 def test_reliability_is_shown_with_the_drives_and_seeds_that_it_rests_on() -> None:
     made_up = experiment({"safedagger": GROWING}, seeds=2)
-    text = report(made_up, relied_on=curves({"safedagger500": 0.6}))
+    text = report(made_up, relied_on=_alone(0.6, made_up))
     found = rows(section(text, "Reliability"), "Drives, seeds")
-    assert [*found] == [("SafeDAgger, 500 labels", "0"), ("SafeDAgger, 500 labels", "3")]
-    rests, succeeded, failed = found["SafeDAgger, 500 labels", "3"]
+    assert [*found] == [("SafeDAgger", "0"), ("SafeDAgger", "3")]
+    rests, succeeded, failed = found["SafeDAgger", "3"]
     assert (rests, succeeded) == ("80, 1", " / ".join(["60.0 % [43.3 %, 75.1 %]"] * 2))
     # of 40 drives 16 leave the road, over 1,000 m each
     assert [cell.split(" [")[0] for cell in failed.split(" / ")] == ["40", "40"]
-    assert "- Reliability, seed 1: not measured." in section(text, "What is missing")
+    missing = section(text, "What is missing")
+    assert "- Reliability: SafeDAgger, seed 0: no iteration 1, 2.\n" in missing
+    assert "- Reliability, seed 1: not measured." in missing
     without = report(made_up)
     assert "### Reliability\n" not in without and "- Reliability, seed 0: not measured." in without
 
 
 def test_reliability_in_a_crowd_stands_beside_it() -> None:
     made_up = experiment({"safedagger": GROWING})
-    crowd = undriven(curves({"safedagger500": 0.75}), condition="no_traffic")
+    crowd = undriven(_alone(0.75, made_up), condition="no_traffic")
     crowd = replace(crowd, drives=crowd.drives.assign(traffic=40.0))
     text = report(made_up, in_crowd=crowd)
     assert "among 40 other cars; seed 0." in section(text, "Reliability in a crowd")
     found = rows(section(text, "Reliability in a crowd"), "Drives, seeds")
-    assert found["SafeDAgger, 500 labels", "3"][:2] == ["40, 1", "75.0 % [58.8 %, 87.3 %]"]
-    assert "Reliability in a crowd, seed" not in section(text, "What is missing")
+    assert found["SafeDAgger", "3"][:2] == ["40, 1", "75.0 % [58.8 %, 87.3 %]"]
+    assert "Reliability in a crowd" not in section(text, "What is missing")
     assert "### Reliability in a crowd" not in report(made_up)
 
 
@@ -230,3 +232,15 @@ def test_a_track_without_drives_of_a_strategy_has_no_number() -> None:
     text = report(undriven(experiment({"safedagger": [FULL]}), scenario="yew", strategy="safe"))
     found = rows(section(text, "Track by track, after the last iteration"), "Takeover, safe")
     assert found["SafeDAgger", "yew"] == ["3.00 / 3.00", "- / -", "0 / 0", "- / -"]
+
+
+def _alone(share: float, made_up: Experiment) -> Experiment:
+    """SafeDAgger's primaries alone, before and after the loop of seed 0; the last does a share of the laps."""
+    run = {"run": {"safedagger500": "safedagger"}}
+    found = curves({"safedagger500": share})
+    return replace(
+        found,
+        drives=found.drives.replace(run),
+        ledgers=found.ledgers.replace(run),
+        specs=made_up.specs,
+    )
