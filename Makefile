@@ -41,7 +41,7 @@ bench: .venv/.bench
 	python -m benchmarks
 
 .venv/.ready: requirements.lock pyproject.toml plugin/pyproject.toml | .venv/bin/uv
-	@echo "Installing into .venv: about a minute, and 6 GB"
+	@echo "Installing into .venv: about a minute, and 7 GB"
 	@uv pip install --quiet --python .venv/bin/python --compile-bytecode $(WHEELS) -r requirements.lock
 	@uv pip install --quiet --python .venv/bin/python --no-deps --editable . --editable plugin
 	@touch $@
