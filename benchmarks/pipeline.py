@@ -25,6 +25,8 @@ TENTH: dict[str, Any] = {
     "train-safety": {"samples": 4800},
     "rollout": {"frames": 4000},
     "evaluate": {"laps": 0.3, "seconds": 20},
+    "lap": {"laps": 0.1, "seconds": 12},
+    "crowd": {"laps": 0.1, "seconds": 12},
     "film": {"laps": 0.1, "seconds": 6},
 }
 RUN = {"queries": [300, 300, 100], "samples": [4000]}
