@@ -1,7 +1,7 @@
 """What a whole experiment has, and this one has not."""
 
 from collections.abc import Iterator, Mapping, Sequence
-from itertools import chain, product
+from itertools import product
 
 import pandas as pd
 
@@ -19,7 +19,7 @@ def gaps(material: Material, pictures: Mapping[str, Mapping[int, str]]) -> list[
     """
     experiment, curves = material.experiment, material.curves
     wanted = {run: range(len(experiment.specs[run].iterations) + 1) for run in experiment.runs}
-    ends = {run: (0, whole[-1]) for run, whole in wanted.items()}
+    ends = {run: (0, last(experiment, run)) for run in experiment.runs}
     curve_ends = {run: (0, last(curves, run)) for run in curves.specs}
     return [
         *(
@@ -28,7 +28,7 @@ def gaps(material: Material, pictures: Mapping[str, Mapping[int, str]]) -> list[
             if run not in experiment.runs
         ),
         *experiment.left_out,
-        *chain(*(_missing_iterations(experiment, wanted, seed) for seed in experiment.seeds)),
+        *_missing_iterations(experiment, wanted),
         *_missing_drives(experiment),
         *_beside_the_loops(material),
         *(
@@ -43,7 +43,7 @@ def gaps(material: Material, pictures: Mapping[str, Mapping[int, str]]) -> list[
             f"Label curves: {each}"
             for each in (
                 *curves.left_out,
-                *chain(*(_missing_iterations(curves, curve_ends, seed) for seed in curves.seeds)),
+                *_missing_iterations(curves, curve_ends),
                 *(
                     f"seed {seed}: no results."
                     for seed in experiment.seeds
@@ -71,16 +71,18 @@ def _alone(
             continue
         there = set(experiment.among(seed=seed).run)
         own = {run: whole for run, whole in wanted.items() if run in there}
-        yield from (f"{title}: {each}" for each in _missing_iterations(measured, own, seed))
+        yield from (
+            f"{title}: {each}" for each in _missing_iterations(measured.of_seeds(seed), own)
+        )
     for each in measured.left_out:
         if each not in experiment.left_out:
             yield f"{title}: {each}"
 
 
 def _missing_iterations(
-    experiment: Experiment, wanted: Mapping[str, Sequence[int]], seed: int
+    experiment: Experiment, wanted: Mapping[str, Sequence[int]]
 ) -> Iterator[str]:
-    for run, whole in wanted.items():
+    for seed, (run, whole) in product(experiment.seeds, wanted.items()):
         there = set(experiment.among(seed=seed, run=run).iteration)
         absent = [str(i) for i in whole if i not in there]
         if len(absent) == len(whole):
